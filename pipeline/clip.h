@@ -1,0 +1,74 @@
+// Clipping in homogeneous space. D3D11.3 15.4
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace gnomon {
+
+/// How far outside the viewport, in units of w, x and y may go before they are clipped: what 16.8 positions can hold.
+template <class Scalar>
+struct GuardBand {
+    Scalar left, right, bottom, top;  // -left w <= x <= right w and so on; each >= 1
+};
+
+/// A vertex after the vertex functor: clip-space x, y, z, w, then the varyings.
+inline constexpr int kPositionScalars = 4;
+
+/// Planes a vertex can be outside of.
+enum ClipCode : unsigned {
+    kOutsideNear = 1u << 0,  // z < 0
+    kOutsideFar = 1u << 1,   // z > w
+    kOutsideLeft = 1u << 2,  // beyond the guard band
+    kOutsideRight = 1u << 3,
+    kOutsideBottom = 1u << 4,
+    kOutsideTop = 1u << 5,
+    kBeyondLeft = 1u << 6,  // beyond the viewport: if all three are, nothing is visible
+    kBeyondRight = 1u << 7,
+    kBeyondBottom = 1u << 8,
+    kBeyondTop = 1u << 9,
+    kNotFinite = 1u << 10,  // NaN or infinite
+};
+inline constexpr unsigned kClipPlanes =
+    kOutsideNear | kOutsideFar | kOutsideLeft | kOutsideRight | kOutsideBottom | kOutsideTop;
+
+template <class Scalar>
+unsigned clip_code(const Scalar* v, const GuardBand<Scalar>& guard) {
+    const Scalar x = v[0];
+    const Scalar y = v[1];
+    const Scalar z = v[2];
+    const Scalar w = v[3];
+    // x - x is 0 only for finite x.
+    if (!((x - x) + (y - y) + (z - z) + (w - w) == Scalar(0))) return kNotFinite;
+    unsigned code = 0;
+    if (z < 0) code |= kOutsideNear;
+    if (z > w) code |= kOutsideFar;
+    if (x < -guard.left * w) code |= kOutsideLeft;
+    if (x > guard.right * w) code |= kOutsideRight;
+    if (y < -guard.bottom * w) code |= kOutsideBottom;
+    if (y > guard.top * w) code |= kOutsideTop;
+    if (x < -w) code |= kBeyondLeft;
+    if (x > w) code |= kBeyondRight;
+    if (y < -w) code |= kBeyondBottom;
+    if (y > w) code |= kBeyondTop;
+    return code;
+}
+
+/// A convex polygon being clipped; vertices of `stride` scalars each.
+template <class Scalar>
+struct ClipPolygon {
+    int stride = 0;
+    std::vector<Scalar> vertices;
+
+    [[nodiscard]] int count() const { return static_cast<int>(vertices.size()) / stride; }
+};
+
+/// Cuts the polygon by every plane named in `planes`. Each intersection is computed from the inner vertex towards the outer
+/// one, so that two triangles cut a shared edge at the same point. Planes come in the order of ClipCode.
+template <class Scalar>
+void clip(ClipPolygon<Scalar>& polygon, unsigned planes, const GuardBand<Scalar>& guard);
+
+extern template void clip(ClipPolygon<float>&, unsigned, const GuardBand<float>&);
+extern template void clip(ClipPolygon<double>&, unsigned, const GuardBand<double>&);
+
+}  // namespace gnomon

@@ -1,0 +1,72 @@
+// The simulated GPU as a program sees it: resources and commands.
+#pragma once
+
+#include "pipeline/command.h"
+#include "pipeline/program.h"
+#include "sim/counters.h"
+#include "sim/parallel.h"
+#include "sim/profile.h"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace gnomon {
+
+struct DrawScratch;  // draw.h
+
+struct Buffer {
+    std::string label;
+    std::vector<std::byte> data;
+};
+
+class Device {
+public:
+    /// `threads` = 0: as many as there are processors. The results do not depend on it.
+    explicit Device(Profile profile, int threads = 0);
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    [[nodiscard]] const Profile& profile() const { return profile_; }
+    [[nodiscard]] Workers& workers() { return workers_; }
+
+    /// Does what the command says. Throws Error for anything out of range; the device is unchanged then.
+    void execute(const Command& command);
+    /// Called with every command before it executes.
+    void set_observer(std::function<void(const Command&)> observer) { observer_ = std::move(observer); }
+
+    /// Shorthands that pick the next id.
+    BufferId create_buffer(std::string_view label, std::span<const std::byte> data);
+    TextureId create_texture(std::string_view label, const TextureDesc& desc);
+
+    /// Throws Error for an id that was never created.
+    [[nodiscard]] const Texture& texture(TextureId id) const;
+    [[nodiscard]] const Buffer& buffer(BufferId id) const;
+
+    /// Counting is off until asked for. Counters add up over draws until taken.
+    void enable_counters(bool enabled) { counting_ = enabled; }
+    Counters take_counters() { return std::exchange(counters_, {}); }
+
+private:
+    void run(const CreateBuffer& command);
+    void run(const CreateTexture& command);
+    void run(const WriteTexture& command);
+    void run(const ClearColor& command);
+    void run(const ClearDepth& command);
+    void run(const GenerateMips& command);
+    void run(const Draw& command);
+    Texture& mutable_texture(TextureId id);
+
+    Profile profile_;
+    Workers workers_;
+    std::vector<std::unique_ptr<Buffer>> buffers_;    // [id - 1]
+    std::vector<std::unique_ptr<Texture>> textures_;  // [id - 1]
+    std::function<void(const Command&)> observer_;
+    std::unique_ptr<DrawScratch> scratch_;
+    bool counting_ = false;
+    Counters counters_;
+};
+
+}  // namespace gnomon

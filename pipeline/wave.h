@@ -1,0 +1,79 @@
+// A wave: as many quads of one triangle as the SIMD width holds, and which of their pixels count.
+#pragma once
+
+#include "pipeline/tiling.h"
+#include "sim/lanes.h"
+#include "sim/quad.h"
+
+#include <array>
+#include <cstdint>
+
+namespace gnomon {
+
+/// Pixel offsets of the lanes inside a row of quads.
+inline Int lane_dx() {
+    const Int i = lane_index();
+    return shift_right_logical<2>(i) + shift_right_logical<2>(i) + (i & Int(1));
+}
+inline Int lane_dy() { return shift_right_logical<1>(lane_index()) & Int(1); }
+
+struct Wave {
+    Int x;  // pixel coordinates per lane
+    Int y;
+    std::uint32_t covered = 0;  // lanes inside the triangle; the others are helpers
+    int quads = 0;              // quads in use, from lane 0; lanes behind them repeat quad 0 and count for nothing
+    std::array<std::int32_t, kQuadsPerWave> quad_x;  // top-left pixel of each quad in use
+    std::array<std::int32_t, kQuadsPerWave> quad_y;
+};
+
+/// Collects the quads of one triangle until a wave is full.
+class QuadPacker {
+public:
+    [[nodiscard]] bool full() const { return wave_.quads == kQuadsPerWave; }
+    [[nodiscard]] bool empty() const { return wave_.quads == 0; }
+
+    void add(int x, int y, std::uint32_t mask4) {
+        const auto q = static_cast<std::size_t>(wave_.quads++);
+        wave_.quad_x[q] = x;
+        wave_.quad_y[q] = y;
+        wave_.covered |= mask4 << (4 * q);
+    }
+
+    /// The wave so far; the packer is empty afterwards.
+    Wave take() {
+        alignas(64) std::array<std::int32_t, kLanes> x;
+        alignas(64) std::array<std::int32_t, kLanes> y;
+        for (std::size_t q = 0; q < kQuadsPerWave; ++q) {
+            const std::size_t from = q < static_cast<std::size_t>(wave_.quads) ? q : 0;
+            for (std::size_t i = 0; i < 4; ++i) {
+                x[4 * q + i] = wave_.quad_x[from];
+                y[4 * q + i] = wave_.quad_y[from];
+            }
+        }
+        Wave out = wave_;
+        out.x = Int::load(x.data()) + (lane_index() & Int(1));
+        out.y = Int::load(y.data()) + lane_dy();
+        wave_.quads = 0;
+        wave_.covered = 0;
+        return out;
+    }
+
+private:
+    Wave wave_;
+};
+
+/// A full row of quads starting at (x, y).
+inline Wave row_wave(int x, int y, std::uint32_t covered) {
+    Wave wave;
+    wave.x = Int(x) + lane_dx();
+    wave.y = Int(y) + lane_dy();
+    wave.covered = covered;
+    wave.quads = kQuadsPerWave;
+    for (int q = 0; q < kQuadsPerWave; ++q) {
+        wave.quad_x[static_cast<std::size_t>(q)] = x + 2 * q;
+        wave.quad_y[static_cast<std::size_t>(q)] = y;
+    }
+    return wave;
+}
+
+}  // namespace gnomon

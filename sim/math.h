@@ -1,0 +1,86 @@
+// Deterministic rcp, rsqrt, exp2 and log2 on lanes: + - * / sqrt and integer operations only, so the same bits everywhere.
+// Errors are the worst over every float (tests/unit/sim_math.cpp sweeps them and prints where the worst one is); all are within
+// what D3D11.3 22.10 asks (2^-21 relative; log2 2^-21 absolute in [0.5, 2]).
+#pragma once
+
+#include "sim/double_lanes.h"
+#include "sim/lanes.h"
+#include "sim/scalar_math.h"
+
+namespace gnomon {
+
+/// 1/x, correctly rounded.
+inline Float rcp(Float x) { return Float(1.0f) / x; }
+inline Double rcp(const Double& x) { return Double(1.0) / x; }
+
+/// 1/sqrt(x), two roundings: below 1 ULP.
+inline Float rsqrt(Float x) { return Float(1.0f) / sqrt(x); }
+inline Double rsqrt(const Double& x) { return Double(1.0) / sqrt(x); }
+
+/// 2^x, below 2 ULP; overflows to infinity, underflows through the denormals to 0; NaN stays.
+inline Float exp2(Float x) {
+    // x = n + t with t in [-1/2, 1/2]. Outside [-152, 129] the result is 0 or infinity.
+    const Float limited = clamp(x, Float(-152.0f), Float(129.0f));
+    const Float n = round(limited);
+    const Float t = limited - n;
+
+    // Taylor series of 2^t; the first term left out is below 2^-27.
+    Float p(0x1.ffcbfcp-17f);            // ln2^7 / 7!
+    p = p * t + Float(0x1.430912p-13f);  // ln2^6 / 6!
+    p = p * t + Float(0x1.5d87fep-10f);  // ln2^5 / 5!
+    p = p * t + Float(0x1.3b2ab6p-7f);   // ln2^4 / 4!
+    p = p * t + Float(0x1.c6b08ep-5f);   // ln2^3 / 3!
+    p = p * t + Float(0x1.ebfbep-3f);    // ln2^2 / 2!
+    p = p * t + Float(0x1.62e43p-1f);    // ln2
+    p = p * t + Float(1.0f);
+
+    // Scale by 2^n in two halves, each a normal number.
+    const Int whole = bounded_truncate_to_int(n);
+    const Int half = shift_right<1>(whole);
+    const Float scale_a = float_of_bits(shift_left<23>(half + Int(127)));
+    const Float scale_b = float_of_bits(shift_left<23>(whole - half + Int(127)));
+    return select(is_nan(x), x, p * scale_a * scale_b);
+}
+
+/// log2(x), below 3 ULP of the larger of 1 and the result; log2(0) = -inf, log2(inf) = inf, log2(x < 0) = NaN.
+inline Float log2(Float x) {
+    // Bring denormals into the normal range; x = 2^n m with m in [sqrt(1/2), sqrt(2)).
+    const Mask tiny = x < Float(0x1p-126f);
+    const Float normal = select(tiny, x * Float(0x1p24f), x);
+    const Int bits = bits_of(normal) - Int(0x3f3504f3);  // bits of sqrt(1/2)
+    const Int n = shift_right<23>(bits);
+    const Float m = float_of_bits((bits & Int(0x007fffff)) + Int(0x3f3504f3));
+
+    // log2(m) = 2/ln2 atanh(s), s = (m - 1) / (m + 1), |s| < 0.1716.
+    const Float s = (m - Float(1.0f)) / (m + Float(1.0f));
+    const Float s2 = s * s;
+    Float p(0x1.c71c72p-4f);             // 1/9
+    p = p * s2 + Float(0x1.24924ap-3f);  // 1/7
+    p = p * s2 + Float(0x1.99999ap-3f);  // 1/5
+    p = p * s2 + Float(0x1.555556p-2f);  // 1/3
+    const Float series = s + s * (s2 * p);
+    const Float exponent = Float(n) - select(tiny, Float(24.0f), Float(0.0f));
+    const Float result = exponent + series * Float(0x1.715476p+1f);  // 2/ln2
+
+    const Float infinity = float_of_bits(Int(0x7f800000));
+    const Float nan = float_of_bits(Int(0x7fc00000));
+    const Float edge = select(x == Float(0.0f), -infinity, select(x == infinity, infinity, select(x < Float(0.0f), nan, x)));
+    return select((x > Float(0.0f)) & (x < infinity), result, edge);
+}
+
+/// The same in double, through scalar_math.h.
+inline Double exp2(const Double& x) {
+    return Double::map([&](std::size_t i) {
+        if (x.v[i] != x.v[i] || x.v[i] > 1000.0) return x.v[i] > 1000.0 ? HUGE_VAL : x.v[i];
+        return x.v[i] < -1000.0 ? 0.0 : scalar::exp2(x.v[i]);
+    });
+}
+inline Double log2(const Double& x) {
+    return Double::map([&](std::size_t i) {
+        if (x.v[i] == 0.0) return -HUGE_VAL;
+        if (!(x.v[i] > 0.0)) return std::nan("");
+        return x.v[i] == HUGE_VAL ? HUGE_VAL : scalar::log2(x.v[i]);
+    });
+}
+
+}  // namespace gnomon

@@ -1,0 +1,48 @@
+// The only door to oneTBB. Work is cut into indexed pieces that write disjoint memory, so the result cannot depend on the
+// number of threads or on the order in which pieces run.
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cstddef>
+
+namespace gnomon {
+
+/// A set of worker threads. `threads` = 0 takes as many as there are processors; 1 runs everything on the caller.
+class Workers {
+public:
+    explicit Workers(int threads = 0)
+        : limit_(tbb::global_control::max_allowed_parallelism,
+                 static_cast<std::size_t>(threads > 0 ? threads : tbb::info::default_concurrency())),
+          arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+
+    [[nodiscard]] int threads() { return arena_.max_concurrency(); }
+
+    /// Calls body(i) once for every i in [0, count), in any order, on any of the threads. The first exception thrown by a
+    /// body stops the rest and is rethrown here.
+    template <class Body>
+    void for_each(std::size_t count, const Body& body) {
+        if (count == 0) return;
+        if (count == 1 || threads() == 1) {
+            for (std::size_t i = 0; i < count; ++i) body(i);
+            return;
+        }
+        arena_.execute([&] {
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, count, 1),
+                [&](const tbb::blocked_range<std::size_t>& range) {
+                    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
+                },
+                tbb::simple_partitioner{});
+        });
+    }
+
+private:
+    tbb::global_control limit_;
+    tbb::task_arena arena_;
+};
+
+}  // namespace gnomon

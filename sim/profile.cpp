@@ -1,0 +1,127 @@
+#include "sim/profile.h"
+
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+namespace gnomon {
+
+namespace {
+
+std::vector<Profile> make_presets() {
+    const Profile d3d11{.name = "d3d11", .summary = "the Direct3D 11.3 functional specification; the default"};
+    Profile ideal = d3d11;
+    ideal.name = "ideal";
+    ideal.summary = "double arithmetic and exact weights: the yardstick";
+    ideal.arithmetic = Arithmetic::Fp64;
+    ideal.flush_denormals = false;
+    ideal.float_narrowing = Narrowing::NearestEven;
+    ideal.texel_fraction_bits = kExactBits;
+    ideal.lod_fraction_bits = kExactBits;
+    ideal.lod_sharing = LodSharing::Pixel;
+    ideal.compare_reference = CompareReference::Raw;
+    return {d3d11, ideal};
+}
+
+void write_field(nlohmann::ordered_json& json, const std::string& key, const std::string& value) { json[key] = value; }
+void write_field(nlohmann::ordered_json& json, const std::string& key, bool value) { json[key] = value; }
+void write_field(nlohmann::ordered_json& json, const std::string& key, int value) {
+    if (value == kExactBits) {
+        json[key] = "exact";
+    } else {
+        json[key] = value;
+    }
+}
+template <NamedEnum E>
+void write_field(nlohmann::ordered_json& json, const std::string& key, E value) {
+    json[key] = name_of(value);
+}
+
+void read_field(const nlohmann::json& json, const std::string& what, std::string& value) {
+    if (!json.is_string()) fail("{}: expected a string", what);
+    value = json.get<std::string>();
+}
+void read_field(const nlohmann::json& json, const std::string& what, bool& value) {
+    if (!json.is_boolean()) fail("{}: expected true or false", what);
+    value = json.get<bool>();
+}
+void read_field(const nlohmann::json& json, const std::string& what, int& value) {
+    const bool may_be_exact = what.ends_with("texel_fraction_bits") || what.ends_with("lod_fraction_bits");
+    if (may_be_exact && json.is_string() && json.get<std::string>() == "exact") {
+        value = kExactBits;
+        return;
+    }
+    const auto expected =
+        may_be_exact ? "expected a whole number from 1 to 8, or \"exact\"" : "expected a whole number from 1 to 8";
+    if (!json.is_number_integer()) fail("{}: {}", what, expected);
+    if (json < 1 || json > 8) fail("{}: is {}; {}", what, json.dump(), expected);
+    value = json.get<int>();
+}
+template <NamedEnum E>
+void read_field(const nlohmann::json& json, const std::string& what, E& value) {
+    if (!json.is_string()) fail("{}: expected one of {}", what, names_of<E>());
+    value = enum_from_name<E>(json.get<std::string>(), what);
+}
+
+}  // namespace
+
+std::span<const Profile> profile_presets() {
+    static const std::vector<Profile> presets = make_presets();
+    return presets;
+}
+
+std::string profile_to_json(const Profile& profile) {
+    nlohmann::ordered_json json;
+    for_each_field(profile, [&](std::string_view name, const auto& value) { write_field(json, std::string(name), value); });
+    return json.dump(2);
+}
+
+Profile profile_from_json(std::string_view text, std::string_view where) {
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    if (json.is_discarded()) fail("{}: not valid JSON; expected a profile object", where);
+    if (!json.is_object()) fail("{}: expected a JSON object with profile fields", where);
+
+    // Start from the base preset.
+    Profile profile = profile_presets().front();
+    if (const auto base = json.find("base"); base != json.end()) {
+        if (!base->is_string()) fail("{}: base: expected the name of a preset", where);
+        const auto wanted = base->get<std::string>();
+        bool found = false;
+        for (const Profile& preset : profile_presets()) {
+            if (preset.name == wanted) {
+                profile = preset;
+                found = true;
+            }
+        }
+        if (!found) fail("{}: base: '{}' is not a preset; see 'gnomon list profiles'", where, wanted);
+    }
+
+    // Take what the object mentions, and nothing that no field has.
+    std::size_t known = json.contains("base") ? 1 : 0;
+    for_each_field(profile, [&](std::string_view name, auto& value) {
+        const auto entry = json.find(std::string(name));
+        if (entry == json.end()) return;
+        ++known;
+        read_field(*entry, fmt::format("{}: {}", where, name), value);
+    });
+    if (known == json.size()) return profile;
+    for (const auto& [key, value] : json.items()) {
+        bool is_field = key == "base";
+        for_each_field(profile, [&](std::string_view name, const auto&) { is_field = is_field || key == name; });
+        if (!is_field) fail("{}: unknown field '{}'; 'gnomon list profiles --verbose' shows the fields", where, key);
+    }
+    return profile;
+}
+
+Profile load_profile(const std::string& name_or_path) {
+    for (const Profile& preset : profile_presets())
+        if (preset.name == name_or_path) return preset;
+    std::ifstream file(name_or_path, std::ios::binary);
+    if (!file) fail("profile '{}': neither a preset (see 'gnomon list profiles') nor a file that can be read", name_or_path);
+    const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return profile_from_json(text, name_or_path);
+}
+
+}  // namespace gnomon

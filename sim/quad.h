@@ -1,0 +1,48 @@
+// Derivatives over 2x2 quads. D3D11.3 22.5
+//
+// Coarse: one pair per quad, from its top row and its left column (the corner is the vendor's choice; top-left here).
+// Fine: each lane's own row and own column.
+#pragma once
+
+#include "sim/double_lanes.h"
+#include "sim/lanes.h"
+
+namespace gnomon {
+
+/// Each lane gets the value of lane kLane (0..3) of its own quad.
+template <int kLane>
+Float quad_broadcast(Float x) {
+    return Float(hn::Broadcast<kLane>(x.v));
+}
+template <int kLane>
+Double quad_broadcast(const Double& x) {
+    return Double::map([&](std::size_t i) { return x.v[(i & ~std::size_t{3}) + kLane]; });
+}
+
+inline Float ddx_coarse(Float x) { return quad_broadcast<1>(x) - quad_broadcast<0>(x); }
+inline Float ddy_coarse(Float x) { return quad_broadcast<2>(x) - quad_broadcast<0>(x); }
+inline Float ddx_fine(Float x) { return Float(hn::Sub(hn::DupOdd(x.v), hn::DupEven(x.v))); }
+inline Float ddy_fine(Float x) {
+    const hn::RepartitionToWide<detail::FloatTag> pairs;
+    const auto rows = hn::BitCast(pairs, x.v);
+    const auto top = hn::BitCast(detail::FloatTag{}, hn::DupEven(rows));
+    const auto bottom = hn::BitCast(detail::FloatTag{}, hn::DupOdd(rows));
+    return Float(hn::Sub(bottom, top));
+}
+
+inline Double ddx_coarse(const Double& x) { return quad_broadcast<1>(x) - quad_broadcast<0>(x); }
+inline Double ddy_coarse(const Double& x) { return quad_broadcast<2>(x) - quad_broadcast<0>(x); }
+inline Double ddx_fine(const Double& x) {
+    return Double::map([&](std::size_t i) { return x.v[i | 1] - x.v[i & ~std::size_t{1}]; });
+}
+inline Double ddy_fine(const Double& x) {
+    return Double::map([&](std::size_t i) { return x.v[i | 2] - x.v[i & ~std::size_t{2}]; });
+}
+
+/// All four lanes of a quad, where any of them is set.
+inline std::uint32_t quad_any(std::uint32_t bits) {
+    const std::uint32_t any = (bits | bits >> 1 | bits >> 2 | bits >> 3) & 0x11111111u;
+    return any * 0xfu & kAllLanes;
+}
+
+}  // namespace gnomon

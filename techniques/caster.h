@@ -1,0 +1,72 @@
+// The light pass: scene depth as the light sees it. [Donnelly06] section 4, step 1
+#pragma once
+
+#include "pipeline/device.h"
+#include "pipeline/vertex_stage.h"
+#include "scenes/view.h"
+#include "techniques/light_space.h"
+#include "techniques/scene_resources.h"
+
+#include <span>
+
+namespace gnomon::techniques {
+
+/// What the vertex functors of this layer fetch: scenes::Vertex.
+template <class Real>
+struct MeshVertex {
+    Vec3<Real> position;
+    Vec3<Real> normal;
+};
+
+/// Positions only, for depth passes.
+struct DepthVertex {
+    template <class Real>
+    using Input = MeshVertex<Real>;
+    template <class Real>
+    using Varyings = NoVaryings<Real>;
+
+    glm::mat4 clip_from_object{1.0f};
+
+    static constexpr auto fields() { return std::tuple{Field{"clip_from_object", &DepthVertex::clip_from_object}}; }
+
+    template <class V>
+    auto operator()(const V& v) const {
+        return VertexOutput{transform_point(clip_from_object, v.in.position), NoVaryings<typename V::Real>{}};
+    }
+};
+
+template <class Real>
+struct LinearDepth {
+    Real depth_ls;  // [0, 1] between the light's planes
+};
+
+/// Positions and linear depth, for passes that store a function of depth.
+struct CasterVertex {
+    template <class Real>
+    using Input = MeshVertex<Real>;
+    template <class Real>
+    using Varyings = LinearDepth<Real>;
+
+    glm::mat4 clip_from_object{1.0f};
+    LightSpace light{};
+
+    static constexpr auto fields() {
+        using C = CasterVertex;
+        return std::tuple{Field{"clip_from_object", &C::clip_from_object}, Field{"light", &C::light}};
+    }
+
+    template <class V>
+    auto operator()(const V& v) const {
+        using Real = typename V::Real;
+        return VertexOutput{transform_point(clip_from_object, v.in.position), LinearDepth<Real>{light.depth(v.in.position)}};
+    }
+};
+
+/// Depth-only program "depth": a DepthVertex and no pixel functor.
+const Program& depth_program();
+
+/// Draws every object of the scene into a depth texture (cleared first), as seen from the light.
+void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, TextureId depth,
+                    const RasterState& raster);
+
+}  // namespace gnomon::techniques

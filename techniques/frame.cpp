@@ -1,0 +1,77 @@
+#include "techniques/frame.h"
+
+#include "sim/scalar_math.h"
+
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+namespace gnomon::techniques {
+
+namespace {
+
+/// The light's constants; an object's base colour comes in per draw.
+Lighting make_lighting(const scenes::Light& light, const scenes::View& view) {
+    Lighting lighting;
+    lighting.light_color = light.color;
+    lighting.light_direction = view.direction_ws;
+    if (light.kind == scenes::LightKind::Directional) {
+        lighting.light_position = glm::vec4(-view.direction_ws, 0.0f);
+        return lighting;
+    }
+    // Attenuation from the inner to the outer cone as in KHR_lights_punctual, with the inner cone at 0.85 of the outer one.
+    lighting.light_position = glm::vec4(view.position_ws, 1.0f);
+    const double outer = scalar::cos(static_cast<double>(light.outer_cone_rad));
+    const double inner = scalar::cos(0.85 * static_cast<double>(light.outer_cone_rad));
+    const double scale = 1.0 / (inner - outer);
+    lighting.cone_scale = static_cast<float>(scale);
+    lighting.cone_offset = static_cast<float>(-outer * scale);
+    return lighting;
+}
+
+}  // namespace
+
+Frame::Frame(Device& device, const scenes::Scene& scene, const FrameDesc& desc)
+    : device_(device),
+      scene_light_(scene.light),
+      camera_(scenes::camera_view(scene.camera, static_cast<float>(desc.width) / static_cast<float>(desc.height))),
+      light_(scenes::light_view(scene.light, scene.bounds())),
+      scene_(upload_scene(device, scene)),
+      passes_(desc.technique.make(device, desc.settings)) {
+    color_ = device.create_texture("colour", {.format = Format::Rgba8Unorm, .width = desc.width, .height = desc.height});
+    visibility_ = device.create_texture("visibility", {.format = Format::R32Float, .width = desc.width, .height = desc.height});
+    depth_ = device.create_texture("depth", {.format = Format::D32Float, .width = desc.width, .height = desc.height});
+}
+
+void Frame::render(PassTimer& timer) {
+    passes_->render_map(scene_, light_, timer);
+    timer.pass("camera", [&] { draw_receivers(); });
+}
+
+void Frame::draw_receivers() {
+    device_.execute(ClearColor{color_, {0.35f, 0.42f, 0.5f, 1.0f}});
+    device_.execute(ClearColor{visibility_, {kNoSurface, 0.0f, 0.0f, 0.0f}});
+    device_.execute(ClearDepth{depth_, 1.0f});
+    const glm::mat4 clip_from_world = camera_.clip_from_world();
+    Lighting lighting = make_lighting(scene_light_, light_);
+    for (const SceneDraw& object : scene_) {
+        const glm::mat3 normal_from_object = glm::transpose(glm::inverse(glm::mat3(object.world_from_object)));
+        const ReceiverVertex vertex{.clip_from_object = clip_from_world * object.world_from_object,
+                                    .world_from_object = object.world_from_object,
+                                    .normal_from_object = glm::mat4(normal_from_object),
+                                    .light = make_light_space(light_, object.world_from_object)};
+        lighting.base_color = object.base_color;
+        Draw draw{.label = object.label,
+                  .program = &passes_->receiver_program(),
+                  .vertex_constants = constants_of(vertex),
+                  .pixel_constants = passes_->receiver_constants(lighting),
+                  .vertices = object.vertices,
+                  .indices = object.indices,
+                  .count = object.count,
+                  .depth = depth_};
+        draw.color[0] = color_;
+        draw.color[1] = visibility_;
+        device_.execute(draw);
+    }
+}
+
+}  // namespace gnomon::techniques

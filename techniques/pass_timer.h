@@ -1,0 +1,39 @@
+// Named passes of a frame: how long each took and what it counted.
+#pragma once
+
+#include "pipeline/device.h"
+
+#include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace gnomon::techniques {
+
+struct PassRecord {
+    std::string name;
+    double milliseconds = 0;
+    Counters counters;  // zero unless the device counts
+};
+
+class PassTimer {
+public:
+    explicit PassTimer(Device& device) : device_(device) {}
+
+    /// Runs one pass and records it.
+    template <class Body>
+    void pass(std::string name, const Body& body) {
+        const auto begin = std::chrono::steady_clock::now();
+        body();
+        const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
+        records_.push_back({std::move(name), elapsed.count(), device_.take_counters()});
+    }
+
+    [[nodiscard]] const std::vector<PassRecord>& records() const { return records_; }
+
+private:
+    Device& device_;
+    std::vector<PassRecord> records_;
+};
+
+}  // namespace gnomon::techniques

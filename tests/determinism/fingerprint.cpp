@@ -1,0 +1,89 @@
+// Prints one line `name hash` for everything whose bytes must not depend on threads, SIMD width, instruction set or compiler.
+// gnomon_fingerprint [THREADS]
+#include "scenes/procedural.h"
+#include "sim/math.h"
+#include "techniques/frame.h"
+
+#define XXH_INLINE_ALL
+#include <fmt/format.h>
+#include <xxhash.h>
+
+#include <cstdlib>
+#include <vector>
+
+using namespace gnomon;
+
+namespace {
+
+void print_hash(const std::string& name, const void* data, std::size_t size) {
+    const XXH128_hash_t hash = XXH3_128bits(data, size);
+    fmt::print("{} {:016x}{:016x}\n", name, hash.high64, hash.low64);
+}
+
+/// One function over 2^20 floats, 4099 representable numbers apart.
+template <class Function>
+void fingerprint_function(const std::string& name, const Function& function) {
+    std::vector<std::int32_t> results;
+    for (std::uint32_t n = 0; n < 1u << 20; n += kLanes) {
+        std::array<std::int32_t, kLanes> in;
+        for (std::uint32_t i = 0; i < kLanes; ++i) in[i] = static_cast<std::int32_t>((n + i) * 4099u);
+        const Float out = function(float_of_bits(Int::load(in.data())));
+        // Which NaN an operation makes is the processor's choice.
+        const auto bits = select(is_nan(out), Int(0x7fc00000), bits_of(out)).lanes();
+        results.insert(results.end(), bits.begin(), bits.end());
+    }
+    print_hash(name, results.data(), results.size() * sizeof(std::int32_t));
+}
+
+void fingerprint_frame(const scenes::Scene& scene, std::string_view technique, const techniques::TechniqueRequest& request,
+                       const std::string& profile, int threads) {
+    Device device(load_profile(profile), threads);
+    device.enable_counters(true);
+    techniques::FrameDesc desc{.width = 317, .height = 203, .technique = techniques::find_technique(technique)};
+    desc.settings = techniques::resolve_settings(desc.technique, request);
+    techniques::Frame frame(device, scene, desc);
+    techniques::PassTimer timer(device);
+    frame.render(timer);
+
+    const std::string name = fmt::format("{}/{}/{}/{}/blur{}/{}", scene.name, technique, name_of(desc.settings.format),
+                                         name_of(desc.settings.filter), desc.settings.blur, profile);
+    for (const auto& [part, id] : {std::pair{"color", frame.color()}, std::pair{"visibility", frame.visibility()},
+                                   std::pair{"depth", frame.depth()}, std::pair{"map", frame.map()}}) {
+        const Texture& texture = device.texture(id);
+        std::vector<std::byte> bytes;
+        for (int level = 0; level < texture.desc().levels; ++level) {
+            const auto more = texture.level_bytes(level);
+            bytes.insert(bytes.end(), more.begin(), more.end());
+        }
+        print_hash(name + "/" + part, bytes.data(), bytes.size());
+    }
+    Counters total;
+    for (const auto& record : timer.records()) total += record.counters;
+    // Counters that follow from the picture, not from how the work was cut into waves.
+    fmt::print("{}/counters {} {} {} {} {} {}\n", name, total.vertices, total.triangles_set_up, total.samples_covered,
+               total.samples_passed, total.texture_instructions, total.texels_fetched);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const int threads = argc > 1 ? std::atoi(argv[1]) : 0;
+    fingerprint_function("exp2", [](Float x) { return exp2(x); });
+    fingerprint_function("log2", [](Float x) { return log2(x); });
+    fingerprint_function("rcp", [](Float x) { return rcp(x); });
+    fingerprint_function("rsqrt", [](Float x) { return rsqrt(x); });
+
+    for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
+        const scenes::Scene scene = source.make();
+        for (const techniques::Technique& technique : techniques::all_techniques()) {
+            for (const Format format : technique.formats)
+                for (const techniques::MapFilter filter : technique.filters)
+                    fingerprint_frame(scene, technique.name, {.map_size = 256, .format = format, .filter = filter}, "d3d11",
+                                      threads);
+            fingerprint_frame(scene, technique.name, {.map_size = 251}, "ideal", threads);
+        }
+        fingerprint_frame(scene, "vsm", {.map_size = 251, .format = Format::Rg16Unorm, .blur = 5}, "d3d11", threads);
+        fingerprint_frame(scene, "pcf", {.map_size = 256, .taps = 3}, "d3d11", threads);
+    }
+    return 0;
+}

@@ -1,0 +1,97 @@
+#include "texunit/mipmap.h"
+
+#include "sim/denormals.h"
+#include "texunit/codec.h"
+#include "texunit/store.h"
+
+namespace gnomon {
+
+namespace {
+
+/// Up to three texels of the level above along one axis, and their weights.
+template <class Real>
+struct Taps {
+    int count;
+    std::array<Int, 3> index;
+    std::array<Real, 3> weight;
+};
+
+template <class Real>
+Taps<Real> taps_of(Int x, int size_above) {
+    const Real one(1.0f);
+    if (size_above == 1) return {1, {Int(0), Int(0), Int(0)}, {one, one, one}};
+    const Int first = x + x;
+    if (size_above % 2 == 0) return {2, {first, first + Int(1), Int(0)}, {Real(0.5f), Real(0.5f), one}};
+    const int n = size_above / 2;
+    const Real total(static_cast<float>(2 * n + 1));
+    const Real left = Real(Int(n) - x) / total;
+    const Real middle = Real(static_cast<float>(n)) / total;
+    const Real right = Real(x + Int(1)) / total;
+    return {3, {first, first + Int(1), first + Int(2)}, {left, middle, right}};
+}
+
+/// One wave of texels of `level`, starting at (x, y).
+template <class AnyCodec, class Real>
+void reduce_wave(Texture& texture, int level, int x, int y, Narrowing narrowing) {
+    const int above = level - 1;
+    const Int column = min(Int(x) + lane_index(), Int(texture.width(level) - 1));
+    const Taps<Real> across = taps_of<Real>(column, texture.width(above));
+    const Taps<Real> down = taps_of<Real>(Int(y), texture.height(above));
+    const auto l = static_cast<std::size_t>(above);
+    const Int origin(texture.table().offset[l]);
+    const Int pitch(texture.table().pitch[l]);
+
+    // Weighted sums along each column of texels, then across the columns.
+    std::array<Real, AnyCodec::kComponents> sum;
+    for (int i = 0; i < across.count; ++i) {
+        const auto ix = static_cast<std::size_t>(i);
+        std::array<Real, AnyCodec::kComponents> column_sum;
+        for (int j = 0; j < down.count; ++j) {
+            const auto jx = static_cast<std::size_t>(j);
+            const Int offset = origin + down.index[jx] * pitch + across.index[ix] * Int(AnyCodec::kBytes);
+            const auto texel = AnyCodec::template decode<Real>(AnyCodec::load(texture.data(), offset));
+            for (std::size_t c = 0; c < texel.size(); ++c) {
+                const Real term = texel[c] * down.weight[jx];
+                column_sum[c] = j == 0 ? term : column_sum[c] + term;
+            }
+        }
+        for (std::size_t c = 0; c < sum.size(); ++c) {
+            const Real term = column_sum[c] * across.weight[ix];
+            sum[c] = i == 0 ? term : sum[c] + term;
+        }
+    }
+
+    const int count = std::min(kLanes, texture.width(level) - x);
+    store_row<AnyCodec>(texture.row(level, y) + x * AnyCodec::kBytes, AnyCodec::encode(sum, narrowing), count);
+}
+
+template <class Real>
+void generate(Texture& texture, const Profile& profile, Workers& workers) {
+    with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
+        for (int level = 1; level < texture.desc().levels; ++level) {
+            const int width = texture.width(level);
+            const int height = texture.height(level);
+            const int rows_per_piece = std::max(1, 8192 / width);
+            const int pieces = (height + rows_per_piece - 1) / rows_per_piece;
+            workers.for_each(static_cast<std::size_t>(pieces), [&](std::size_t piece) {
+                const DenormalScope denormals(profile.flush_denormals);
+                const int first = static_cast<int>(piece) * rows_per_piece;
+                for (int y = first; y < std::min(height, first + rows_per_piece); ++y)
+                    for (int x = 0; x < width; x += kLanes)
+                        reduce_wave<AnyCodec, Real>(texture, level, x, y, profile.float_narrowing);
+            });
+        }
+    });
+}
+
+}  // namespace
+
+void generate_mips(Texture& texture, const Profile& profile, Workers& workers) {
+    if (profile.arithmetic == Arithmetic::Fp32) {
+        generate<Float>(texture, profile, workers);
+    } else {
+        generate<Double>(texture, profile, workers);
+    }
+}
+
+}  // namespace gnomon

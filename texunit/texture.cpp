@@ -1,0 +1,68 @@
+#include "texunit/texture.h"
+
+#include <cstring>
+#include <limits>
+
+namespace gnomon {
+
+namespace {
+
+constexpr std::int64_t even(int size) { return size + (size & 1); }
+constexpr std::int64_t aligned(std::int64_t bytes) { return (bytes + 63) & ~std::int64_t{63}; }
+constexpr std::int64_t kTail = 64;  // gathers read 32 bits from any byte of the last texel
+
+}  // namespace
+
+Texture::Texture(const TextureDesc& desc) : desc_(desc) {
+    if (desc.width < 1 || desc.width > kMaxTextureSize || desc.height < 1 || desc.height > kMaxTextureSize)
+        fail("texture of {}x{} texels: each side must be from 1 to {}", desc.width, desc.height, kMaxTextureSize);
+    if (desc.levels < 1 || desc.levels > full_level_count(desc.width, desc.height))
+        fail("texture of {}x{} texels with {} levels: expected 1 to {}", desc.width, desc.height, desc.levels,
+             full_level_count(desc.width, desc.height));
+
+    // Lay the levels out one after the other; lanes address them with 31-bit offsets.
+    std::int64_t offset = 0;
+    for (int level = 0; level < desc.levels; ++level) {
+        const auto l = static_cast<std::size_t>(level);
+        const std::int64_t pitch = even(width(level)) * info().bytes_per_texel;
+        const std::int64_t bytes = aligned(pitch * even(height(level)));
+        if (offset + bytes + kTail > std::numeric_limits<std::int32_t>::max())
+            fail("texture of {}x{} texels in {}: larger than 2 GiB", desc.width, desc.height, info().name);
+        table_.offset[l] = static_cast<std::int32_t>(offset);
+        table_.pitch[l] = static_cast<std::int32_t>(pitch);
+        table_.width[l] = width(level);
+        table_.height[l] = height(level);
+        offset += bytes;
+    }
+
+    size_ = static_cast<std::size_t>(offset + kTail);
+    bytes_ = hwy::AllocateAligned<std::byte>(size_);
+    if (!bytes_) fail("texture of {}x{} texels in {}: not enough memory", desc.width, desc.height, info().name);
+    std::memset(bytes_.get(), 0, size_);
+}
+
+std::vector<std::byte> Texture::level_bytes(int level) const {
+    const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
+    std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(height(level)));
+    for (int y = 0; y < height(level); ++y)
+        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), row(level, y), row_bytes);
+    return bytes;
+}
+
+void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t size) {
+    const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
+    if (size != row_bytes * static_cast<std::size_t>(height(level)))
+        fail("texture level {} of {}x{} texels in {}: {} bytes given, expected {}", level, width(level), height(level),
+             info().name, size, row_bytes * static_cast<std::size_t>(height(level)));
+    for (int y = 0; y < height(level); ++y)
+        std::memcpy(row(level, y), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
+}
+
+std::size_t Texture::nominal_bytes() const {
+    std::size_t texels = 0;
+    for (int level = 0; level < desc_.levels; ++level)
+        texels += static_cast<std::size_t>(width(level)) * static_cast<std::size_t>(height(level));
+    return texels * static_cast<std::size_t>(info().bits_per_component * info().components) / 8;
+}
+
+}  // namespace gnomon
