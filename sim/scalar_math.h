@@ -58,6 +58,17 @@ inline double tan(double x) {
     return s / c;
 }
 
+/// atan(x), absolute error below 2^-49.
+inline double atan(double x) {
+    // atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))), three times, brings |x| below 0.2; then the series.
+    double t = x;
+    for (int i = 0; i < 3; ++i) t = t / (1.0 + std::sqrt(1.0 + t * t));
+    const double t2 = t * t;
+    double sum = 0;
+    for (int k = 14; k >= 1; --k) sum = -t2 * (1.0 / (2.0 * k + 1.0) + sum);
+    return 8.0 * (t + t * sum);
+}
+
 /// 2^x for x in [-1000, 1000], relative error below 2^-50.
 inline double exp2(double x) {
     const double n = std::floor(x + 0.5);
