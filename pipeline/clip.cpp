@@ -5,8 +5,7 @@ namespace gnomon {
 namespace {
 
 /// Signed distance to one plane, scaled; inside where >= 0.
-template <class Scalar>
-Scalar distance(const Scalar* v, ClipCode plane, const GuardBand<Scalar>& guard) {
+double distance(const double* v, ClipCode plane, const GuardBand<double>& guard) {
     switch (plane) {
         case kOutsideNear: return v[2];
         case kOutsideFar: return v[3] - v[2];
@@ -25,8 +24,7 @@ Scalar distance(const Scalar* v, ClipCode plane, const GuardBand<Scalar>& guard)
 
 /// Puts a new vertex exactly on the plane that made it: interpolation leaves it off by roundings of the outer vertex, which may
 /// be far away.
-template <class Scalar>
-void put_on_plane(Scalar* v, ClipCode plane, const GuardBand<Scalar>& guard) {
+void put_on_plane(double* v, ClipCode plane, const GuardBand<double>& guard) {
     switch (plane) {
         case kOutsideNear: v[2] = 0; return;
         case kOutsideFar: v[2] = v[3]; return;
@@ -45,30 +43,29 @@ void put_on_plane(Scalar* v, ClipCode plane, const GuardBand<Scalar>& guard) {
 
 }  // namespace
 
-template <class Scalar>
-void clip(ClipPolygon<Scalar>& polygon, unsigned planes, const GuardBand<Scalar>& guard) {
-    std::vector<Scalar> out;
+void clip(ClipPolygon& polygon, unsigned planes, const GuardBand<double>& guard) {
+    std::vector<double> out;
     for (unsigned plane = kOutsideNear; plane <= kOutsideTop; plane <<= 1u) {
         if ((planes & plane) == 0) continue;
         const auto code = static_cast<ClipCode>(plane);
-        const int count = polygon.count();
-        const auto stride = static_cast<std::size_t>(polygon.stride);
+        const std::size_t count = polygon.count();
+        const std::size_t stride = polygon.stride;
         out.clear();
-        for (int i = 0; i < count; ++i) {
-            const Scalar* a = polygon.vertices.data() + static_cast<std::size_t>(i) * stride;
-            const Scalar* b = polygon.vertices.data() + static_cast<std::size_t>((i + 1) % count) * stride;
-            const Scalar da = distance(a, code, guard);
-            const Scalar db = distance(b, code, guard);
+        for (std::size_t i = 0; i < count; ++i) {
+            const double* a = polygon.vertices.data() + i * stride;
+            const double* b = polygon.vertices.data() + (i + 1) % count * stride;
+            const double da = distance(a, code, guard);
+            const double db = distance(b, code, guard);
             if (da >= 0) out.insert(out.end(), a, a + stride);
             if ((da >= 0) == (db >= 0)) continue;
 
             // The edge crosses: go from the vertex inside to the one outside.
             const bool a_inside = da >= 0;
-            const Scalar* inside = a_inside ? a : b;
-            const Scalar* outside = a_inside ? b : a;
-            const Scalar d_in = a_inside ? da : db;
-            const Scalar d_out = a_inside ? db : da;
-            const Scalar t = d_in / (d_in - d_out);
+            const double* inside = a_inside ? a : b;
+            const double* outside = a_inside ? b : a;
+            const double d_in = a_inside ? da : db;
+            const double d_out = a_inside ? db : da;
+            const double t = d_in / (d_in - d_out);
             for (std::size_t s = 0; s < stride; ++s) out.push_back(inside[s] + t * (outside[s] - inside[s]));
             put_on_plane(&out[out.size() - stride], code, guard);
         }
@@ -76,8 +73,5 @@ void clip(ClipPolygon<Scalar>& polygon, unsigned planes, const GuardBand<Scalar>
         if (polygon.vertices.empty()) return;
     }
 }
-
-template void clip(ClipPolygon<float>&, unsigned, const GuardBand<float>&);
-template void clip(ClipPolygon<double>&, unsigned, const GuardBand<double>&);
 
 }  // namespace gnomon

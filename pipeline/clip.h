@@ -54,21 +54,18 @@ unsigned clip_code(const Scalar* v, const GuardBand<Scalar>& guard) {
     return code;
 }
 
-/// A convex polygon being clipped; vertices of `stride` scalars each.
-template <class Scalar>
+/// A convex polygon being clipped; vertices of `stride` numbers each. Always in double: an fp32 intersection can be off by more
+/// than a grid step where vertices are far away, and then the pieces of the polygon overlap. D3D11.3 15.4 asks for at least
+/// fp32.
 struct ClipPolygon {
-    int stride = 0;
-    std::vector<Scalar> vertices;
+    std::size_t stride = 0;
+    std::vector<double> vertices;
 
-    [[nodiscard]] int count() const { return static_cast<int>(vertices.size()) / stride; }
+    [[nodiscard]] std::size_t count() const { return vertices.size() / stride; }
 };
 
 /// Cuts the polygon by every plane named in `planes`. Each intersection is computed from the inner vertex towards the outer
 /// one, so that two triangles cut a shared edge at the same point. Planes come in the order of ClipCode.
-template <class Scalar>
-void clip(ClipPolygon<Scalar>& polygon, unsigned planes, const GuardBand<Scalar>& guard);
-
-extern template void clip(ClipPolygon<float>&, unsigned, const GuardBand<float>&);
-extern template void clip(ClipPolygon<double>&, unsigned, const GuardBand<double>&);
+void clip(ClipPolygon& polygon, unsigned planes, const GuardBand<double>& guard);
 
 }  // namespace gnomon

@@ -78,18 +78,24 @@ private:
     bool add_clipped(const std::array<const Scalar*, 3>& corners, unsigned planes) {
         ++chunk_.counters.primitives_clipped;
         const auto stride = static_cast<std::size_t>(vertices_.stride);
-        polygon_.stride = vertices_.stride;
+        polygon_.stride = stride;
         polygon_.vertices.clear();
         for (const Scalar* corner : corners) polygon_.vertices.insert(polygon_.vertices.end(), corner, corner + stride);
-        clip(polygon_, planes, guard_);
+        clip(polygon_, planes, guard_band<double>(state_.viewport));
         if (polygon_.count() < 3) return false;
 
-        // The polygon as a fan; its vertices stay with the chunk.
+        // The polygon's vertices stay with the chunk; its triangles follow from where they snap to.
         auto kept = std::make_unique<Scalar[]>(polygon_.vertices.size());
-        std::ranges::copy(polygon_.vertices, kept.get());
+        std::ranges::transform(polygon_.vertices, kept.get(), [](double value) { return static_cast<Scalar>(value); });
+        std::vector<GridPoint> corners_on_grid;
+        for (std::size_t i = 0; i < polygon_.count(); ++i) {
+            const auto snapped = snap_vertex(kept.get() + i * stride, state_);
+            if (!snapped) return false;
+            corners_on_grid.push_back(*snapped);
+        }
         bool drawn = false;
-        for (std::size_t i = 1; i + 1 < static_cast<std::size_t>(polygon_.count()); ++i)
-            drawn = set_up({kept.get(), kept.get() + i * stride, kept.get() + (i + 1) * stride}) || drawn;
+        for (const auto& [a, b, c] : triangulate(corners_on_grid))
+            drawn = set_up({kept.get() + a * stride, kept.get() + b * stride, kept.get() + c * stride}) || drawn;
         chunk_.clipped.push_back(std::move(kept));
         return drawn;
     }
@@ -99,7 +105,7 @@ private:
     GuardBand<Scalar> guard_;
     int tiles_x_;
     TriangleChunk<Scalar>& chunk_;
-    ClipPolygon<Scalar> polygon_;
+    ClipPolygon polygon_;
 };
 
 /// Gathers the chunks' bins into one list per tile: a counting sort that keeps the order.

@@ -103,6 +103,13 @@ GuardBand<Scalar> guard_band(const PixelRect& viewport) {
 }
 
 template <class Scalar>
+std::optional<GridPoint> snap_vertex(const Scalar* vertex, const SetupState& state) {
+    ScreenVertex<Scalar> screen;
+    if (!to_screen(vertex, state, screen)) return std::nullopt;
+    return GridPoint{screen.x, screen.y};
+}
+
+template <class Scalar>
 SetupResult set_up_triangle(const std::array<const Scalar*, 3>& vertices, const SetupState& state, Triangle<Scalar>& triangle) {
     std::array<ScreenVertex<Scalar>, 3> v;
     for (std::size_t i = 0; i < 3; ++i)
@@ -165,6 +172,8 @@ SetupResult set_up_triangle(const std::array<const Scalar*, 3>& vertices, const 
 
 template GuardBand<float> guard_band(const PixelRect&);
 template GuardBand<double> guard_band(const PixelRect&);
+template std::optional<GridPoint> snap_vertex(const float*, const SetupState&);
+template std::optional<GridPoint> snap_vertex(const double*, const SetupState&);
 template SetupResult set_up_triangle(const std::array<const float*, 3>&, const SetupState&, Triangle<float>&);
 template SetupResult set_up_triangle(const std::array<const double*, 3>&, const SetupState&, Triangle<double>&);
 

@@ -4,10 +4,12 @@
 #include "pipeline/clip.h"
 #include "pipeline/command.h"
 #include "pipeline/triangle.h"
+#include "pipeline/triangulate.h"
 #include "sim/profile.h"
 #include "texunit/format.h"
 
 #include <array>
+#include <optional>
 
 namespace gnomon {
 
@@ -23,6 +25,10 @@ struct SetupState {
 template <class Scalar>
 GuardBand<Scalar> guard_band(const PixelRect& viewport);
 
+/// Where a clip-space vertex lands on the 16.8 grid; nothing if a coordinate is not a number.
+template <class Scalar>
+std::optional<GridPoint> snap_vertex(const Scalar* vertex, const SetupState& state);
+
 enum class SetupResult { Drawn, Culled };
 
 /// `vertices` point at clip x, y, z, w and the varyings behind them.
@@ -31,6 +37,8 @@ SetupResult set_up_triangle(const std::array<const Scalar*, 3>& vertices, const 
 
 extern template GuardBand<float> guard_band(const PixelRect&);
 extern template GuardBand<double> guard_band(const PixelRect&);
+extern template std::optional<GridPoint> snap_vertex(const float*, const SetupState&);
+extern template std::optional<GridPoint> snap_vertex(const double*, const SetupState&);
 extern template SetupResult set_up_triangle(const std::array<const float*, 3>&, const SetupState&, Triangle<float>&);
 extern template SetupResult set_up_triangle(const std::array<const double*, 3>&, const SetupState&, Triangle<double>&);
 

@@ -1,7 +1,8 @@
 // Whether fp32 arithmetic flushes denormals, for the current thread, while the scope lives. D3D11.3 3.1.3.2
 //
 // The processor does it: FTZ and DAZ on x86, FZ on Arm; results and operands below 2^-126 become zeros that keep their sign.
-// Loads, stores, conversions from half and integer operations keep denormal bits, as the specification says of moves.
+// Loads, stores, conversions from half and integer operations keep denormal bits, as the specification says of moves. So does
+// multiplying by a literal 1, which compilers drop: to them it is a move.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@ namespace gnomon {
 
 class DenormalScope {
 public:
-    explicit DenormalScope(bool flush) : saved_(read()) { write(flush ? saved_ | kFlush : saved_ & ~kFlush); }
-    ~DenormalScope() { write(saved_); }
+    explicit DenormalScope(bool flush) : saved_(read()) { enter(flush ? saved_ | kFlush : saved_ & ~kFlush); }
+    ~DenormalScope() { enter(saved_); }
     DenormalScope(const DenormalScope&) = delete;
     DenormalScope& operator=(const DenormalScope&) = delete;
 
@@ -36,6 +37,13 @@ private:
 #else
 #error "no way known to set the denormal mode of this processor"
 #endif
+    /// Arithmetic on what lies in memory stays on its side of the change.
+    static void enter(Control control) {
+        asm volatile("" ::: "memory");
+        write(control);
+        asm volatile("" ::: "memory");
+    }
+
     Control saved_;
 };
 

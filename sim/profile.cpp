@@ -119,7 +119,8 @@ Profile load_profile(const std::string& name_or_path) {
     for (const Profile& preset : profile_presets())
         if (preset.name == name_or_path) return preset;
     std::ifstream file(name_or_path, std::ios::binary);
-    if (!file) fail("profile '{}': neither a preset (see 'gnomon list profiles') nor a file that can be read", name_or_path);
+    if (!file || !std::filesystem::is_regular_file(name_or_path))
+        fail("profile '{}': neither a preset (see 'gnomon list profiles') nor a file that can be read", name_or_path);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     return profile_from_json(text, name_or_path);
 }

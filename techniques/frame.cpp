@@ -2,8 +2,8 @@
 
 #include "sim/scalar_math.h"
 
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
 
 namespace gnomon::techniques {
 
@@ -26,6 +26,16 @@ Lighting make_lighting(const scenes::Light& light, const scenes::View& view) {
     lighting.cone_scale = static_cast<float>(scale);
     lighting.cone_offset = static_cast<float>(-outer * scale);
     return lighting;
+}
+
+/// What normals are multiplied by: the cofactors of the transform, turned where it mirrors. Up to a positive factor the inverse
+/// transpose, but defined for flattening transforms too.
+glm::mat4 normal_matrix(const glm::mat4& world_from_object) {
+    const glm::vec3 x(world_from_object[0]);
+    const glm::vec3 y(world_from_object[1]);
+    const glm::vec3 z(world_from_object[2]);
+    const glm::mat3 cofactors(glm::cross(y, z), glm::cross(z, x), glm::cross(x, y));
+    return glm::mat4(glm::dot(x, glm::cross(y, z)) < 0.0f ? -cofactors : cofactors);
 }
 
 }  // namespace
@@ -54,10 +64,9 @@ void Frame::draw_receivers() {
     const glm::mat4 clip_from_world = camera_.clip_from_world();
     Lighting lighting = make_lighting(scene_light_, light_);
     for (const SceneDraw& object : scene_) {
-        const glm::mat3 normal_from_object = glm::transpose(glm::inverse(glm::mat3(object.world_from_object)));
         const ReceiverVertex vertex{.clip_from_object = clip_from_world * object.world_from_object,
                                     .world_from_object = object.world_from_object,
-                                    .normal_from_object = glm::mat4(normal_from_object),
+                                    .normal_from_object = normal_matrix(object.world_from_object),
                                     .light = make_light_space(light_, object.world_from_object)};
         lighting.base_color = object.base_color;
         Draw draw{.label = object.label,

@@ -28,7 +28,7 @@ struct ReceiverVertex {
 
     glm::mat4 clip_from_object{1.0f};
     glm::mat4 world_from_object{1.0f};
-    glm::mat4 normal_from_object{1.0f};  // inverse transpose, upper 3x3
+    glm::mat4 normal_from_object{1.0f};  // upper 3x3: the inverse transpose, up to a positive factor
     LightSpace light{};
 
     static constexpr auto fields() {

@@ -10,7 +10,7 @@ namespace gnomon {
 /// Keeps a coordinate in the range the fixed-point conversion can hold, without changing which texels it selects.
 /// D3D11.3 7.18.6
 template <class Real>
-Real reduce_range(const Real& u, AddressMode mode) {
+GNOMON_INLINE Real reduce_range(const Real& u, AddressMode mode) {
     switch (mode) {
         case AddressMode::Wrap: return u - floor(u);
         case AddressMode::Mirror: {
@@ -33,7 +33,7 @@ struct TexelPosition {
 
 /// Fixed-point conversion at the profile's precision; NaN gives 0. D3D11.3 7.18.7, 7.18.8, 3.2.4.1
 template <class Real>
-TexelPosition<Real> to_texel(const Real& scaled, const Profile& profile) {
+GNOMON_INLINE TexelPosition<Real> to_texel(const Real& scaled, const Profile& profile) {
     const int bits = profile.texel_fraction_bits;
     if (bits == kExactBits) {
         const Real number = select(is_nan(scaled), Real(0.0f), scaled);
@@ -48,7 +48,7 @@ TexelPosition<Real> to_texel(const Real& scaled, const Profile& profile) {
 
 /// Index of the texel that `texel` stands for under the address mode, always inside [0, size). Coordinates come from
 /// reduce_range, so `texel` is within two sizes of the texture for wrap and mirror. D3D11.3 7.18.9
-inline Int apply_address_mode(Int texel, Int size, AddressMode mode) {
+GNOMON_INLINE Int apply_address_mode(Int texel, Int size, AddressMode mode) {
     switch (mode) {
         case AddressMode::Wrap: {
             const Int low = select(texel < Int(0), texel + size, texel);
@@ -67,7 +67,7 @@ inline Int apply_address_mode(Int texel, Int size, AddressMode mode) {
 }
 
 /// Lanes whose texel takes the border colour.
-inline Mask outside(Int texel, Int size, AddressMode mode) {
+GNOMON_INLINE Mask outside(Int texel, Int size, AddressMode mode) {
     return mode == AddressMode::Border ? (texel < Int(0)) | (texel >= size) : Mask(false);
 }
 

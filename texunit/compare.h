@@ -8,7 +8,7 @@ namespace gnomon {
 
 /// `a OP b` per lane, for any lane type.
 template <class Value>
-Mask compare(CompareOp op, const Value& a, const Value& b) {
+GNOMON_INLINE Mask compare(CompareOp op, const Value& a, const Value& b) {
     switch (op) {
         case CompareOp::Never: return Mask(false);
         case CompareOp::Less: return a < b;

@@ -17,7 +17,7 @@ struct LevelLanes {
 };
 
 /// Lanes usually agree on the level; only where they do not are the tables gathered from.
-inline LevelLanes locate_level(const LevelTable& table, Int level) {
+GNOMON_INLINE LevelLanes locate_level(const LevelTable& table, Int level) {
     const int first = lane(level, 0);
     if (all(level == Int(first))) {
         const auto l = static_cast<std::size_t>(first);
@@ -41,8 +41,8 @@ struct Footprint {
 
 /// `reduced_u` and `reduced_v` come from reduce_range.
 template <class Real>
-Footprint<Real> make_footprint(const LevelLanes& level, const Vec2<Real>& reduced, bool linear, int bytes_per_texel,
-                               const Sampler& sampler, const Profile& profile) {
+GNOMON_INLINE Footprint<Real> make_footprint(const LevelLanes& level, const Vec2<Real>& reduced, bool linear,
+                                             int bytes_per_texel, const Sampler& sampler, const Profile& profile) {
     // Scale by the level's size, go to the corner of the 2x2 block for linear, convert to fixed point.
     const Real corner(linear ? 0.5f : 0.0f);
     const TexelPosition<Real> u = to_texel(reduced.x * Real(level.width) - corner, profile);

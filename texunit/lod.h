@@ -12,7 +12,7 @@ namespace gnomon {
 /// Isotropic level of detail of texture coordinates, before bias and clamp: log2 of the longer of the two derivative vectors
 /// in texels of level 0. Implicit derivatives are the coarse ones. D3D11.3 7.18.11, 22.4.15
 template <class Real>
-Real implicit_lod(const Vec2<Real>& uv, int width, int height, const Profile& profile) {
+GNOMON_INLINE Real implicit_lod(const Vec2<Real>& uv, int width, int height, const Profile& profile) {
     const Real w(static_cast<float>(width));
     const Real h(static_cast<float>(height));
     const bool shared = profile.lod_sharing == LodSharing::Quad;
@@ -31,7 +31,7 @@ struct LevelPair {
 
 /// Bias, clamp, conversion to fixed point and choice of levels. NaN becomes the sampler's upper clamp, as IEEE min has it.
 template <class Real>
-LevelPair<Real> select_levels(const Real& lod, const Sampler& sampler, int levels, const Profile& profile) {
+GNOMON_INLINE LevelPair<Real> select_levels(const Real& lod, const Sampler& sampler, int levels, const Profile& profile) {
     // Bias and clamp; D3D11.3 7.18.11: max(MinLOD, min(MaxLOD, LOD)), and then what the texture has.
     Real clamped = max(Real(sampler.min_lod), min(Real(sampler.max_lod), lod + Real(sampler.lod_bias)));
     const int bits = profile.lod_fraction_bits;

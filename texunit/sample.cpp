@@ -46,13 +46,17 @@ std::array<Real, kCount> sample_taps(const Texture& texture, const Sampler& samp
     return mix_levels(fine, coarse, pair.fraction);
 }
 
-/// The border colour as the filter sees it: clamped to the range of the format. D3D11.3 7.18.9.1
+/// The border colour as the filter sees it: clamped to the range of the format, and for comparisons at the precision that the
+/// profile gives their reference. D3D11.3 7.18.9.1
 template <class AnyCodec, class Real>
-auto border_texel(const Sampler& sampler) {
+auto border_texel(const Sampler& sampler, bool quantised) {
     std::array<Real, AnyCodec::kComponents> border;
     for (std::size_t c = 0; c < border.size(); ++c) {
         border[c] = Real(sampler.border[static_cast<int>(c)]);
         if constexpr (AnyCodec::kIsUnorm || AnyCodec::kIsDepth) border[c] = saturate(border[c]);
+        if constexpr (AnyCodec::kIsUnorm) {
+            if (quantised) border[c] = AnyCodec::template number<Real>(unorm_from_float(border[c], AnyCodec::kBits));
+        }
     }
     return border;
 }
@@ -71,7 +75,7 @@ Vec4<Real> sample(const Texture& texture, const Sampler& sampler, const Profile&
         const auto tap = [&](Int offset, Mask outside) {
             auto texel = AnyCodec::template decode<Real>(AnyCodec::load(base, offset));
             if (has_border(sampler)) {
-                const auto border = border_texel<AnyCodec, Real>(sampler);
+                const auto border = border_texel<AnyCodec, Real>(sampler, false);
                 for (std::size_t c = 0; c < texel.size(); ++c) texel[c] = select(outside, border[c], texel[c]);
             }
             return texel;
@@ -87,14 +91,15 @@ Real sample_compare(const Texture& texture, const Sampler& sampler, const Profil
         // The reference takes the range of the format and, if the profile says so, its precision. D3D11.3 22.4.19
         Real limited = reference;
         if constexpr (AnyCodec::kIsUnorm || AnyCodec::kIsDepth) limited = saturate(reference);
+        const bool quantised = profile.compare_reference == CompareReference::Quantised;
         if constexpr (AnyCodec::kIsUnorm) {
-            if (profile.compare_reference == CompareReference::Quantised)
+            if (quantised)
                 limited = AnyCodec::template number<Real>(AnyCodec::template code_of<Real>(limited, profile.float_narrowing));
         }
         const std::byte* base = texture.data();
         const auto tap = [&](Int offset, Mask outside) {
             Real texel = AnyCodec::template number<Real>(AnyCodec::code(AnyCodec::load(base, offset), 0));
-            if (has_border(sampler)) texel = select(outside, border_texel<AnyCodec, Real>(sampler)[0], texel);
+            if (has_border(sampler)) texel = select(outside, border_texel<AnyCodec, Real>(sampler, quantised)[0], texel);
             return std::array<Real, 1>{select(compare(sampler.compare, limited, texel), Real(1.0f), Real(0.0f))};
         };
         return sample_taps<1>(texture, sampler, profile, uv, lod, tap)[0];
