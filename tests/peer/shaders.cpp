@@ -1,0 +1,71 @@
+// The only file that sees the generated headers.
+#include "tests/peer/shaders.h"
+
+#include "tests/peer/result.h"
+
+namespace gnomon::peer {
+namespace {
+
+#include "peer_shaders/blur_0_frag.h"
+#include "peer_shaders/blur_3_frag.h"
+#include "peer_shaders/blur_5_frag.h"
+#include "peer_shaders/blur_vert.h"
+#include "peer_shaders/caster_depth_vert.h"
+#include "peer_shaders/caster_moments_frag.h"
+#include "peer_shaders/caster_moments_vert.h"
+#include "peer_shaders/receiver_depth_0_frag.h"
+#include "peer_shaders/receiver_depth_1_frag.h"
+#include "peer_shaders/receiver_depth_3_frag.h"
+#include "peer_shaders/receiver_depth_5_frag.h"
+#include "peer_shaders/receiver_depth_vert.h"
+#include "peer_shaders/receiver_moments_frag.h"
+#include "peer_shaders/receiver_moments_vert.h"
+#include "peer_shaders/receiver_none_frag.h"
+#include "peer_shaders/receiver_none_vert.h"
+
+std::span<const std::uint32_t> receiver_depth_frag(int taps) {
+    if (taps == 1) return k_receiver_depth_1_frag;
+    if (taps == 3) return k_receiver_depth_3_frag;
+    if (taps == 5) return k_receiver_depth_5_frag;
+    return k_receiver_depth_0_frag;
+}
+
+std::span<const std::uint32_t> blur_frag(int taps) {
+    if (taps == 3) return k_blur_3_frag;
+    if (taps == 5) return k_blur_5_frag;
+    return k_blur_0_frag;
+}
+
+}  // namespace
+
+ShaderPair caster_shaders(MapKind map) {
+    switch (map) {
+        case MapKind::None: return {};
+        case MapKind::Depth: return {k_caster_depth_vert, {}};
+        case MapKind::Moments: return {k_caster_moments_vert, k_caster_moments_frag};
+    }
+    return {};
+}
+
+ShaderPair receiver_shaders(MapKind map, int taps) {
+    switch (map) {
+        case MapKind::None: return {k_receiver_none_vert, k_receiver_none_frag};
+        case MapKind::Depth: return {k_receiver_depth_vert, receiver_depth_frag(taps)};
+        case MapKind::Moments: return {k_receiver_moments_vert, k_receiver_moments_frag};
+    }
+    return {};
+}
+
+ShaderPair blur_shaders(int taps) { return {k_blur_vert, blur_frag(taps)}; }
+
+OwnedShader make_shader(VkDevice device, std::span<const std::uint32_t> spirv) {
+    VkShaderModuleCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    info.codeSize = spirv.size_bytes();
+    info.pCode = spirv.data();
+    VkShaderModule shader{};
+    check(vkCreateShaderModule(device, &info, nullptr, &shader), "creating a shader");
+    return {device, shader};
+}
+
+}  // namespace gnomon::peer

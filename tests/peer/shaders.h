@@ -1,0 +1,29 @@
+// The shaders of tests/peer/shaders, as compiled by glslangValidator at build time.
+#pragma once
+
+#include "tests/peer/owned.h"
+
+#include <cstdint>
+#include <span>
+
+namespace gnomon::peer {
+
+/// What the light's map holds.
+enum class MapKind { None, Depth, Moments };
+
+/// SPIR-V words; empty where a stage is not needed (a depth map has no caster fragments).
+struct ShaderPair {
+    std::span<const std::uint32_t> vertex;
+    std::span<const std::uint32_t> fragment;
+};
+
+ShaderPair caster_shaders(MapKind map);
+/// Specialisation constant 0 of the fragments is `taps` for a depth map and must be set where no shader has that many taps
+/// written out; for moments it is 1 with anisotropic filtering and 0 without.
+ShaderPair receiver_shaders(MapKind map, int taps);
+/// Specialisation constant 0 of the fragments is taps / 2.
+ShaderPair blur_shaders(int taps);
+
+OwnedShader make_shader(VkDevice device, std::span<const std::uint32_t> spirv);
+
+}  // namespace gnomon::peer
