@@ -1,5 +1,6 @@
 # Includes run downward only: every `#include "layer/..."` must name the file's own layer or one below it.
 # cmake -DROOT=... -P check_layers.cmake
+cmake_minimum_required(VERSION 3.25)
 set(below_sim "")
 set(below_texunit sim)
 set(below_pipeline sim texunit)

@@ -1,6 +1,7 @@
 # Same bytes everywhere: builds the core anew for other compilers and instruction sets and compares its fingerprints with those
 # of this build, at 1, 2 and 8 threads. Configurations that this machine cannot run are named and left out.
 # cmake -DROOT=... -DWORK=... -DFINGERPRINT=... -P matrix.cmake
+cmake_minimum_required(VERSION 3.25)
 function(run_fingerprint program threads out)
     execute_process(COMMAND "${program}" ${threads} OUTPUT_VARIABLE text RESULT_VARIABLE code)
     if(NOT code EQUAL 0)

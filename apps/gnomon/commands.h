@@ -1,0 +1,13 @@
+// The subcommands of `gnomon`. Each adds itself to the parser and runs when it is chosen; errors leave as gnomon::Error.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace gnomon::cli {
+
+void add_list(CLI::App& app);
+void add_render(CLI::App& app);
+void add_export(CLI::App& app);
+void add_contact_sheet(CLI::App& app);
+
+}  // namespace gnomon::cli

@@ -1,0 +1,104 @@
+// gnomon list: what there is to choose from.
+#include "commands.h"
+
+#include "scenes/procedural.h"
+#include "sim/error.h"
+#include "sim/profile.h"
+#include "techniques/technique.h"
+#include "texunit/format.h"
+
+#include <cstdio>
+
+namespace gnomon::cli {
+
+namespace {
+
+template <NamedEnum E>
+std::string joined(std::span<const E> values) {
+    std::string all;
+    for (const E value : values) {
+        all += all.empty() ? "" : ", ";
+        all += name_of(value);
+    }
+    return all;
+}
+
+void list_scenes() {
+    fmt::print("scenes (--scene; a .gltf or .glb file works too)\n");
+    for (const scenes::ProceduralScene& scene : scenes::procedural_scenes())
+        fmt::print("  {:<14} {}\n  {:<14} {} triangles\n", scene.name, scene.summary, "", scene.make().triangle_count());
+}
+
+void list_techniques() {
+    fmt::print("techniques (--technique; 'all' is every one; defaults come first)\n");
+    for (const techniques::Technique& t : techniques::all_techniques()) {
+        fmt::print("  {:<14} {}\n", t.name, t.summary);
+        fmt::print("  {:<14} source   {}\n", "", t.source);
+        fmt::print("  {:<14} --format {}\n", "", joined(t.formats));
+        fmt::print("  {:<14} --filter {}\n", "", joined(t.filters));
+        if (t.max_taps > 0) fmt::print("  {:<14} --taps {} (1 to {} per axis)\n", "", t.default_taps, t.max_taps);
+        if (t.max_blur > 0) fmt::print("  {:<14} --blur 1 (odd, up to {} per axis)\n", "", t.max_blur);
+        if (t.default_min_variance > 0.0f) fmt::print("  {:<14} --min-variance {}\n", "", t.default_min_variance);
+        fmt::print("  {:<14} --depth-bias {}, --slope-bias {}\n", "", t.default_depth_bias, t.default_slope_bias);
+    }
+}
+
+/// A profile field as text, as profile files write it.
+std::string field_text(const std::string& value) { return value; }
+std::string field_text(bool value) { return value ? "true" : "false"; }
+std::string field_text(int value) { return value == kExactBits ? "exact" : fmt::format("{}", value); }
+template <NamedEnum E>
+std::string field_text(E value) {
+    return std::string(name_of(value));
+}
+
+void list_profiles(bool verbose) {
+    fmt::print("profiles (--profile; a JSON file works too{})\n", verbose ? "" : "; --verbose shows every field");
+    for (const Profile& profile : profile_presets()) {
+        fmt::print("  {:<14} {}\n", profile.name, profile.summary);
+        if (!verbose) continue;
+        for_each_field(profile, [](std::string_view name, const auto& value) {
+            if (name != "name" && name != "summary") fmt::print("  {:<14} {:<22} {}\n", "", name, field_text(value));
+        });
+    }
+}
+
+void list_formats() {
+    fmt::print("formats (--format; which ones a technique takes: gnomon list techniques)\n");
+    fmt::print("  {:<14} {:>10} {:>14} {:>12} {:>15}\n", "", "components", "bits/component", "bytes/texel", "bytes as stored");
+    for (const FormatInfo& format : kFormats)
+        fmt::print("  {:<14} {:>10} {:>14} {:>12} {:>15}\n", format.name, format.components, format.bits_per_component,
+                   format.components * format.bits_per_component / 8, format.bytes_per_texel);
+}
+
+struct ListOptions {
+    std::string what;
+    bool verbose = false;
+};
+
+void list(const ListOptions& options) {
+    const bool everything = options.what.empty();
+    const auto chosen = [&](std::string_view name) { return everything || options.what == name; };
+    if (chosen("scenes")) list_scenes();
+    if (chosen("techniques")) list_techniques();
+    if (chosen("profiles")) list_profiles(options.verbose);
+    if (chosen("formats")) list_formats();
+}
+
+}  // namespace
+
+void add_list(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, profiles and formats");
+    const auto options = std::make_shared<ListOptions>();
+    command->add_option("what", options->what, "scenes, techniques, profiles or formats; all of them without it")
+        ->type_name("WHAT");
+    command->add_flag("--verbose", options->verbose, "Print every field of every profile");
+    command->callback([options] {
+        constexpr std::array<std::string_view, 5> kWhat{"", "scenes", "techniques", "profiles", "formats"};
+        if (std::ranges::find(kWhat, options->what) == kWhat.end())
+            fail("list {}: expected scenes, techniques, profiles or formats", options->what);
+        list(*options);
+    });
+}
+
+}  // namespace gnomon::cli

@@ -1,0 +1,62 @@
+// The `gnomon` command line: parse, call, print. docs/command_line.md is its manual.
+//
+// Exit codes: 0 done, 2 bad input or output (one line on stderr says what), 130 stopped by Ctrl-C, 143 by SIGTERM.
+#include "commands.h"
+
+#include "sim/error.h"
+#include "studies/report.h"
+#include "terminal.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <new>
+
+namespace {
+
+constexpr int kBadInput = 2;
+
+/// Prints one line on stderr, whatever the message holds.
+int complain(std::string message) {
+    std::ranges::replace_if(message, [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    fmt::print(stderr, "gnomon: {}\n", message);
+    return kBadInput;
+}
+
+int run(int argc, char** argv) {
+    CLI::App app("Gnomon: a software GPU for people who study shadow maps.\nRenders shadow techniques as the hardware would, to the "
+                 "bit, and measures them against ray-traced truth.",
+                 "gnomon");
+    app.set_version_flag("--version", "gnomon " + gnomon::studies::version());
+    app.require_subcommand(1);
+    app.footer("gnomon COMMAND --help tells more. Start with:\n"
+               "  gnomon list\n"
+               "  gnomon render --scene car --technique all --out out/car\n"
+               "  gnomon contact-sheet out");
+    gnomon::cli::add_list(app);
+    gnomon::cli::add_render(app);
+    gnomon::cli::add_export(app);
+    gnomon::cli::add_contact_sheet(app);
+    try {
+        app.parse(argc, argv);
+        return 0;
+    } catch (const CLI::Success& asked_for_help) {
+        return app.exit(asked_for_help);
+    } catch (const CLI::ParseError& error) {
+        return complain(fmt::format("{} (gnomon --help shows the options)", error.what()));
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const gnomon::Stopped&) {
+        fmt::print(stderr, "gnomon: stopped; what was finished is there\n");
+        return gnomon::cli::stop_exit_code();
+    } catch (const std::bad_alloc&) {
+        return complain("not enough memory for this request");
+    } catch (const std::exception& error) {
+        return complain(error.what());
+    }
+}

@@ -1,0 +1,220 @@
+// gnomon render: a scene through one technique or all, measured, into a folder.
+#include "commands.h"
+
+#include "parse.h"
+#include "sim/error.h"
+#include "studies/experiment.h"
+#include "studies/report.h"
+#include "studies/result_files.h"
+#include "terminal.h"
+#include "traces/command_log.h"
+
+#include <cstdio>
+#include <fstream>
+#include <limits>
+
+namespace gnomon::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderOptions {
+    studies::RenderRequest request;
+    std::string out;
+    std::string log_commands;
+    bool counters = false;
+};
+
+/// A log of commands that appears at its path when all of it is written.
+class CommandLogFile {
+public:
+    explicit CommandLogFile(const std::string& path)
+        : what_("--log-commands " + path), file_(path, what_), stream_(file_.staging(), std::ios::binary), log_(stream_) {}
+
+    void write(const Command& command) { log_.write(command); }
+    void commit() {
+        stream_.close();
+        if (!stream_) fail("{}: cannot be written", what_);
+        file_.commit();
+    }
+
+private:
+    std::string what_;
+    studies::OutputFile file_;
+    std::ofstream stream_;
+    traces::CommandLog log_;
+};
+
+void print_result(const studies::RenderResult& result, const RenderOptions& options) {
+    fmt::print("{}", studies::report_text(result));
+    if (options.counters) fmt::print("\n{}", studies::counters_text(result));
+}
+
+/// One technique straight into the folder.
+void render_one(studies::Experiment& experiment, const RenderOptions& options) {
+    studies::OutputFolder folder(options.out);
+    std::optional<CommandLogFile> log;
+    if (!options.log_commands.empty()) log.emplace(options.log_commands);
+    std::optional<studies::RenderResult> result;
+    {
+        ProgressLine line;
+        const Progress progress = line.progress();
+        const auto on_command = [&](const Command& command) {
+            if (log) log->write(command);
+        };
+        result = experiment.run(experiment.runs().front(), progress, on_command);
+        progress.step("writing", 0, 0);
+        studies::write_result(folder, *result, experiment.truth(progress));
+        progress.step("writing", 0, 0);
+    }
+    folder.commit(studies::result_file_names());
+    if (log) log->commit();
+    print_result(*result, options);
+}
+
+/// Every technique into its own folder; each is complete as soon as it is there.
+void render_all(studies::Experiment& experiment, const RenderOptions& options) {
+    const auto folder_of = [&](const studies::PlannedRun& run) { return fs::path(options.out) / run.technique.name; };
+    const studies::CreatedFolders root(options.out, "--out " + options.out);
+    for (const studies::PlannedRun& run : experiment.runs()) const studies::OutputFolder can_be_written(folder_of(run));
+
+    std::vector<studies::RenderResult> results;
+    for (const studies::PlannedRun& run : experiment.runs()) {
+        studies::OutputFolder folder(folder_of(run));
+        std::optional<studies::RenderResult> result;
+        {
+            ProgressLine line;
+            const Progress progress = line.progress();
+            result = experiment.run(run, progress);
+            progress.step("writing", 0, 0);
+            studies::write_result(folder, *result, experiment.truth(progress));
+            progress.step("writing", 0, 0);
+        }
+        folder.commit(studies::result_file_names());
+        print_result(*result, options);
+        fmt::print("\n");
+        std::fflush(stdout);
+        result->color = {};
+        result->visibility = {};
+        results.push_back(std::move(*result));
+    }
+    fmt::print("{}", studies::comparison_text(results));
+}
+
+void render(const RenderOptions& options) {
+    if (options.request.technique == "all" && !options.log_commands.empty())
+        fail("--log-commands: records one technique, not all of them");
+    catch_stop_signals();
+    studies::Experiment experiment(options.request);
+    if (options.request.technique == "all") {
+        render_all(experiment, options);
+    } else {
+        render_one(experiment, options);
+    }
+}
+
+void add_scene_options(CLI::App& command, RenderOptions& options) {
+    studies::RenderRequest& request = options.request;
+    constexpr auto kGroup = "Scene and truth";
+    command.add_option("--scene", request.scene, "Built-in scene (gnomon list scenes), or a .gltf or .glb file")
+        ->type_name("NAME|FILE")
+        ->required()
+        ->group(kGroup);
+    command.add_flag("--ground", request.ground, "Put the model of a file on a ground plane")->group(kGroup);
+    command
+        .add_option_function<std::string>(
+            "--size",
+            [&request](const std::string& text) { std::tie(request.width, request.height) = parse_size(text, "--size"); },
+            "Image in pixels [1024x768]")
+        ->type_name("WxH")
+        ->group(kGroup);
+    command
+        .add_option_function<std::string>(
+            "--reference",
+            [&request](const std::string& text) { request.truth = enum_from_name<studies::Truth>(text, "--reference"); },
+            "Ray-traced truth: none, center (a ray per pixel) or area (64 rays per pixel) [center]")
+        ->type_name("MODE")
+        ->group(kGroup);
+    command
+        .add_option_function<std::string>(
+            "--seed", [&request](const std::string& text) { request.seed = parse_u64(text, "--seed"); },
+            "Seed of the rays of --reference area [1]")
+        ->type_name("N")
+        ->group(kGroup);
+}
+
+void add_technique_options(CLI::App& command, RenderOptions& options) {
+    techniques::TechniqueRequest& choices = options.request.choices;
+    constexpr auto kGroup = "Technique (gnomon list techniques shows what each takes, and its defaults)";
+    const auto add = [&](const std::string& name, const char* type, const std::string& help, auto take) {
+        command.add_option_function<std::string>(name, take, help)->type_name(type)->group(kGroup);
+    };
+    command.add_option("--technique", options.request.technique, "Shadow technique, or 'all'")
+        ->type_name("NAME|all")
+        ->required()
+        ->group(kGroup);
+    add("--map", "N", "Shadow map in texels per side, 1 to 16384 [1024]",
+        [&choices](const std::string& text) { choices.map_size = parse_int(text, "--map", 1, kMaxTextureSize); });
+    add("--format", "F", "Texel format of the map (gnomon list formats)",
+        [&choices](const std::string& text) { choices.format = enum_from_name<Format>(text, "--format"); });
+    add("--filter", "KIND", "How the map is filtered: nearest, bilinear or trilinear",
+        [&choices](const std::string& text) { choices.filter = enum_from_name<techniques::MapFilter>(text, "--filter"); });
+    add("--taps", "N", "Samples per axis",
+        [&choices](const std::string& text) { choices.taps = parse_int(text, "--taps", 1, kMaxTextureSize); });
+    add("--blur", "N", "Taps per axis of the Gaussian blur of the map; odd, 1 is none",
+        [&choices](const std::string& text) { choices.blur = parse_int(text, "--blur", 1, kMaxTextureSize); });
+    add("--min-variance", "X", "Least variance of linear depth in [0, 1]",
+        [&choices](const std::string& text) { choices.min_variance = parse_number(text, "--min-variance"); });
+    add("--depth-bias", "N", "Depth bias of the light pass, in steps of the depth format", [&choices](const std::string& text) {
+        choices.depth_bias = parse_int(text, "--depth-bias", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
+    });
+    add("--slope-bias", "X", "Slope-scaled depth bias of the light pass",
+        [&choices](const std::string& text) { choices.slope_bias = parse_number(text, "--slope-bias"); });
+}
+
+void add_machine_options(CLI::App& command, RenderOptions& options) {
+    constexpr auto kGroup = "Machine";
+    command.add_option("--profile", options.request.profile, "Hardware profile (gnomon list profiles), or a JSON file [d3d11]")
+        ->type_name("NAME|FILE")
+        ->group(kGroup);
+    command
+        .add_option_function<std::string>(
+            "--threads", [&options](const std::string& text) { options.request.threads = parse_int(text, "--threads", 0, 256); },
+            "Worker threads, 0 for all processors; changes no result [0]")
+        ->type_name("N")
+        ->group(kGroup);
+}
+
+void add_output_options(CLI::App& command, RenderOptions& options) {
+    constexpr auto kGroup = "Output";
+    command.add_option("--out", options.out, "Folder of the results; made when it is not there")
+        ->type_name("DIR")
+        ->required()
+        ->group(kGroup);
+    command.add_flag("--counters", options.counters, "Print what every pass counted (report.json always has it)")->group(kGroup);
+    command.add_option("--log-commands", options.log_commands, "Write every device command of a frame as a line of JSON")
+        ->type_name("FILE")
+        ->group(kGroup);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app) {
+    CLI::App* command = app.add_subcommand("render", "Render a scene with a shadow technique and measure it");
+    const auto options = std::make_shared<RenderOptions>();
+    add_scene_options(*command, *options);
+    add_technique_options(*command, *options);
+    add_machine_options(*command, *options);
+    add_output_options(*command, *options);
+    command->footer(
+        "DIR gets color.png, visibility.exr and .png, reference.exr and .png, difference.png (white right, red too bright,\n"
+        "blue too dark) and report.json. With --technique all each technique has a folder of its own in DIR.\n\n"
+        "Examples:\n"
+        "  gnomon render --scene car --technique vsm --map 512 --blur 5 --out out/car\n"
+        "  gnomon render --scene bench --technique all --reference area --out out/bench\n"
+        "  gnomon render --scene model.glb --ground --technique pcf --taps 5 --profile ideal --out out/model");
+    command->callback([options] { render(*options); });
+}
+
+}  // namespace gnomon::cli

@@ -1,0 +1,103 @@
+// The tables that `gnomon render` prints.
+#include "studies/report.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace gnomon::studies {
+
+namespace {
+
+/// 1234567 as 1,234,567.
+std::string grouped(std::uint64_t value) {
+    const std::string digits = fmt::format("{}", value);
+    std::string text;
+    for (std::size_t i = 0; i < digits.size(); ++i) {
+        if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
+        text.push_back(digits[i]);
+    }
+    return text;
+}
+
+/// What the technique was told, as on the command line; only what it takes.
+std::string settings_text(const RenderResult& result) {
+    const techniques::Technique& technique = techniques::find_technique(result.request.technique);
+    const techniques::TechniqueSettings& settings = result.settings;
+    std::string text = fmt::format("{}, map {}, {}, {}", technique.name, settings.map_size, name_of(settings.format),
+                                   name_of(settings.filter));
+    auto out = std::back_inserter(text);
+    if (technique.max_taps > 0) fmt::format_to(out, ", taps {}", settings.taps);
+    if (technique.max_blur > 0) fmt::format_to(out, ", blur {}", settings.blur);
+    if (technique.default_min_variance > 0.0f) fmt::format_to(out, ", min variance {}", settings.min_variance);
+    if (settings.depth_bias != 0) fmt::format_to(out, ", depth bias {}", settings.depth_bias);
+    if (settings.slope_bias != 0.0f) fmt::format_to(out, ", slope bias {}", settings.slope_bias);
+    return text;
+}
+
+}  // namespace
+
+std::string report_text(const RenderResult& result) {
+    const RenderRequest& request = result.request;
+    std::string text;
+    auto out = std::back_inserter(text);
+    fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene, request.ground ? " on a ground plane" : "",
+                   grouped(result.scene.triangles));
+    fmt::format_to(out, "technique   {}\n", settings_text(result));
+    fmt::format_to(out, "image       {}x{}, profile {}, {} thread{}\n", request.width, request.height, result.profile.name,
+                   result.host.threads, result.host.threads == 1 ? "" : "s");
+    if (result.metrics) {
+        const Metrics& m = *result.metrics;
+        fmt::format_to(out, "reference   {}, {} pixels judged: {} fully shadowed, {} fully lit\n", name_of(request.truth),
+                       grouped(m.pixels), grouped(m.shadowed_pixels), grouped(m.lit_pixels));
+        fmt::format_to(out, "metrics     rmse {:.6f}   mae {:.6f}   p99 {:.6f}   leak {:.6f}   acne {:.6f}\n", m.rmse, m.mae,
+                       m.p99, m.leak, m.acne);
+        if (m.not_finite > 0) fmt::format_to(out, "            {} pixels are NaN or infinite\n", grouped(m.not_finite));
+    }
+    fmt::format_to(out, "timings ms ");
+    for (const PassResult& pass : result.passes) fmt::format_to(out, " {} {:.2f}  ", pass.name, pass.milliseconds);
+    fmt::format_to(out, " frame {:.2f}\n", result.frame_ms);
+    fmt::format_to(out, "hashes      visibility {}\n            depth      {}\n            color      {}\n            map        {}\n",
+                   result.hashes.visibility, result.hashes.depth, result.hashes.color, result.hashes.map);
+    return text;
+}
+
+std::string counters_text(const RenderResult& result) {
+    // A row per counter, a column per pass.
+    std::string text;
+    auto out = std::back_inserter(text);
+    const auto width = [](const PassResult& pass) { return std::max<std::size_t>(14, pass.name.size() + 2); };
+    fmt::format_to(out, "{:<22}", "counters");
+    for (const PassResult& pass : result.passes) fmt::format_to(out, "{:>{}}", pass.name, width(pass));
+    text += '\n';
+    std::apply(
+        [&](const auto&... field) {
+            const auto row = [&](const auto& one) {
+                fmt::format_to(out, "{:<22}", one.name);
+                for (const PassResult& pass : result.passes)
+                    fmt::format_to(out, "{:>{}}", grouped(pass.counters.*one.member), width(pass));
+                text += '\n';
+            };
+            (row(field), ...);
+        },
+        Counters::fields());
+    return text;
+}
+
+std::string comparison_text(std::span<const RenderResult> results) {
+    std::string text = fmt::format("{:<16}{:>9}{:>9}{:>9}{:>9}{:>9}{:>10}  {}\n", "technique", "rmse", "mae", "p99", "leak",
+                                   "acne", "frame ms", "visibility");
+    auto out = std::back_inserter(text);
+    for (const RenderResult& result : results) {
+        fmt::format_to(out, "{:<16}", result.request.technique);
+        if (result.metrics) {
+            const Metrics& m = *result.metrics;
+            fmt::format_to(out, "{:>9.5f}{:>9.5f}{:>9.5f}{:>9.5f}{:>9.5f}", m.rmse, m.mae, m.p99, m.leak, m.acne);
+        } else {
+            fmt::format_to(out, "{:>9}{:>9}{:>9}{:>9}{:>9}", "-", "-", "-", "-", "-");
+        }
+        fmt::format_to(out, "{:>10.2f}  {}\n", result.frame_ms, result.hashes.visibility);
+    }
+    return text;
+}
+
+}  // namespace gnomon::studies

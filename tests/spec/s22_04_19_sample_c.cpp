@@ -1,0 +1,158 @@
+// D3D11.3 22.4.19: comparison sampling with the reference quantised as depth output is.
+#include "tests/oracle/random.h"
+#include "tests/oracle/raster.h"
+#include "tests/unit/texunit_calls.h"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+using namespace gnomon;
+using namespace gnomon::testing;
+
+namespace {
+
+constexpr std::array kOps{CompareOp::Never,   CompareOp::Less,     CompareOp::Equal,        CompareOp::LessEqual,
+                          CompareOp::Greater, CompareOp::NotEqual, CompareOp::GreaterEqual, CompareOp::Always};
+
+/// reference OP texel on values that order as the codes do.
+template <class Value>
+bool passes(CompareOp op, Value reference, Value texel) {
+    switch (op) {
+        case CompareOp::Never: return false;
+        case CompareOp::Less: return reference < texel;
+        case CompareOp::Equal: return reference == texel;
+        case CompareOp::LessEqual: return reference <= texel;
+        case CompareOp::Greater: return reference > texel;
+        case CompareOp::NotEqual: return reference != texel;
+        case CompareOp::GreaterEqual: return reference >= texel;
+        case CompareOp::Always: return true;
+    }
+    return false;
+}
+
+int unorm_bits(Format format) {
+    switch (format_info(format).type) {
+        case ComponentType::Unorm8: return 8;
+        case ComponentType::Unorm16:
+        case ComponentType::Depth16: return 16;
+        case ComponentType::Depth24: return 24;
+        case ComponentType::Float16:
+        case ComponentType::Float32:
+        case ComponentType::Depth32: return 0;
+    }
+    return 0;
+}
+
+}  // namespace
+
+TEST_CASE("the reference meets the texel as a code of the format", "[22.4.19]") {
+    for (const Format format : {Format::D16, Format::D24, Format::R16Unorm, Format::R8Unorm}) {
+        const int bits = unorm_bits(format);
+        const std::uint32_t last = (1u << bits) - 1u;
+        oracle::Random random(static_cast<std::uint64_t>(bits));
+        for (int k = 0; k < 300; ++k) {
+            const auto stored = static_cast<std::uint32_t>(k == 0 ? 0 : k == 1 ? last : random.between(0, last));
+            const std::vector<std::uint32_t> codes{stored};
+            const Texture texture = texture_of(format, 1, 1, codes);
+            // References around the boundaries of the stored code.
+            std::vector<Coordinate> coordinates;
+            for (const double half : {-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5}) {
+                const auto z = static_cast<float>((stored + half) / last);
+                for (const float reference : {z, std::nextafter(z, 2.0f), std::nextafter(z, -2.0f)}) coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
+            }
+            for (const float reference : {-1.0f, 2.0f, std::nanf(""), HUGE_VALF, -HUGE_VALF}) coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
+            for (const CompareOp op : kOps) {
+                const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = op};
+                const auto got = compare_all(texture, sampler, Profile{}, coordinates);
+                for (std::size_t i = 0; i < got.size(); ++i) {
+                    const float expected = passes(op, oracle::unorm_code(coordinates[i].reference, bits), stored) ? 1.0f : 0.0f;
+                    if (got[i] != expected)
+                        FAIL(fmt::format("{} code {:#x} {} reference {:a}: {}, expected {}", name_of(format), stored, name_of(op), coordinates[i].reference, got[i], expected));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("float depth compares as it is, after the clamp", "[22.4.19]") {
+    oracle::Random random(4);
+    for (int k = 0; k < 300; ++k) {
+        const float stored = k == 0 ? 0.0f : k == 1 ? 1.0f : random.unit();
+        const std::vector<std::uint32_t> codes{std::bit_cast<std::uint32_t>(stored)};
+        const Texture texture = texture_of(Format::D32Float, 1, 1, codes);
+        std::vector<Coordinate> coordinates;
+        for (const float r : {stored, std::nextafter(stored, 2.0f), std::nextafter(stored, -2.0f), -0.5f, 1.5f, random.unit(), HUGE_VALF})
+            coordinates.push_back({0.5f, 0.5f, 0.0f, r});
+        for (const CompareOp op : kOps) {
+            const auto got = compare_all(texture, {.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = op}, Profile{}, coordinates);
+            for (std::size_t i = 0; i < got.size(); ++i) {
+                float reference = coordinates[i].reference;
+                reference = reference < 0x1p-126f ? 0.0f : reference > 1.0f ? 1.0f : reference;  // denormals are 0 here
+                const float expected = passes(op, reference, stored) ? 1.0f : 0.0f;
+                if (got[i] != expected)
+                    FAIL(fmt::format("stored {:a} {} reference {:a}: {}, expected {}", stored, name_of(op), coordinates[i].reference, got[i], expected));
+            }
+        }
+    }
+}
+
+TEST_CASE("comparison results are filtered like any texel", "[22.4.19]") {
+    for (const Format format : {Format::D16, Format::D24, Format::D32Float, Format::R32Float}) {
+        oracle::Random random(static_cast<std::uint64_t>(format));
+        for (int round = 0; round < 50; ++round) {
+            const int width = random.integer(1, 9);
+            const int height = random.integer(1, 9);
+            std::vector<std::uint32_t> codes(static_cast<std::size_t>(width * height));
+            for (auto& code : codes) code = moderate_code(format, random);
+            const Texture texture = texture_of(format, width, height, codes);
+            const CompareOp op = kOps[static_cast<std::size_t>(random.integer(0, 7))];
+            const std::array modes{AddressMode::Wrap, AddressMode::Mirror, AddressMode::Clamp, AddressMode::Border};
+            const Sampler sampler{.address_u = modes[static_cast<std::size_t>(random.integer(0, 3))], .address_v = modes[static_cast<std::size_t>(random.integer(0, 3))],
+                                  .compare = op, .border = glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
+            std::vector<Coordinate> coordinates;
+            for (int i = 0; i < 200; ++i) coordinates.push_back({random.in(-1.5f, 2.5f), random.in(-1.5f, 2.5f), 0.0f, random.unit()});
+            const auto got = compare_all(texture, sampler, Profile{}, coordinates);
+            for (std::size_t i = 0; i < got.size(); ++i) {
+                const int bits = unorm_bits(format);
+                const double reference = bits == 0 ? static_cast<double>(coordinates[i].reference) : oracle::unorm_code(coordinates[i].reference, bits);
+                oracle::Image image{width, height, {}, 0};
+                for (const std::uint32_t code : codes)
+                    image.texels.push_back(passes(op, reference, bits == 0 ? static_cast<double>(std::bit_cast<float>(code)) : code));
+                image.border = passes(op, reference, bits == 0 ? 1.0 : static_cast<double>((1u << bits) - 1u));
+                const auto u = oracle::linear_axis(coordinates[i].u, width, oracle_mode(sampler.address_u));
+                const auto v = oracle::linear_axis(coordinates[i].v, height, oracle_mode(sampler.address_v));
+                // Texels are 0 and 1, weights have 16 bits: exact.
+                const double exact = oracle::bilinear(image.taps(u, v), u.weight, v.weight);
+                if (static_cast<double>(got[i]) != exact)
+                    FAIL(fmt::format("{} round {} {} uv ({:a}, {:a}) reference {:a}: {:a}, exact {:a}", name_of(format), round, name_of(op), coordinates[i].u,
+                                     coordinates[i].v, coordinates[i].reference, got[i], exact));
+            }
+        }
+    }
+}
+
+TEST_CASE("an unquantised reference is the profile's choice", "[22.4.19]") {
+    // 0.3 lies between codes; raw comparison sees that it is not the texel.
+    const std::uint32_t code = oracle::unorm_code(0.3f, 16);
+    const std::vector<std::uint32_t> codes{code};
+    const Texture texture = texture_of(Format::D16, 1, 1, codes);
+    const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = CompareOp::Equal};
+    Profile raw;
+    raw.compare_reference = CompareReference::Raw;
+    const std::vector<Coordinate> at{{0.5f, 0.5f, 0.0f, 0.3f}};
+    CHECK(compare_all(texture, sampler, Profile{}, at)[0] == 1.0f);
+    CHECK(compare_all(texture, sampler, raw, at)[0] == 0.0f);
+}
+
+TEST_CASE("the border takes part in comparisons at the format's precision", "[22.4.19][7.18.9.1]") {
+    // Border 0.5 and reference 0.5 are the same depth. The reference is quantised to 32768 / 65535, above one half: a border
+    // that keeps full precision would make "0.5 <= 0.5" fail in D16.
+    for (const Format format : {Format::D16, Format::D24, Format::D32Float}) {
+        const std::vector<std::uint32_t> codes{0};
+        const Texture texture = texture_of(format, 1, 1, codes);
+        const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .address_u = AddressMode::Border,
+                              .compare = CompareOp::LessEqual, .border = glm::vec4(0.5f)};
+        INFO(name_of(format));
+        CHECK(compare_all(texture, sampler, Profile{}, std::vector<Coordinate>{{2.0f, 0.5f, 0.0f, 0.5f}})[0] == 1.0f);
+    }
+}

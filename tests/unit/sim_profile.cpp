@@ -1,0 +1,119 @@
+// Profiles as JSON: every preset survives the way there and back, and every mistake is named.
+#include "sim/error.h"
+#include "sim/profile.h"
+
+#include <catch2/catch.hpp>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+using namespace gnomon;
+
+namespace {
+
+std::string message_of(std::string_view json) {
+    try {
+        (void)profile_from_json(json, "test.json");
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+bool mentions(const std::string& message, std::string_view what) { return message.starts_with("test.json: ") && message.find(what) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("presets round-trip through JSON", "[profile]") {
+    REQUIRE(profile_presets().size() >= 2);
+    CHECK(profile_presets().front().name == "d3d11");
+    CHECK(profile_presets().front() == [] {
+        Profile p;
+        p.name = "d3d11";
+        p.summary = profile_presets().front().summary;
+        return p;
+    }());
+    for (const Profile& preset : profile_presets()) {
+        CHECK(profile_from_json(profile_to_json(preset), "x") == preset);
+        CHECK(load_profile(preset.name) == preset);
+    }
+}
+
+TEST_CASE("every field round-trips when it differs from the default", "[profile]") {
+    Profile p;
+    p.name = "odd \"one\" \xc3\xa9\n";
+    p.summary = "s";
+    p.arithmetic = Arithmetic::Fp64;
+    p.flush_denormals = false;
+    p.float_narrowing = Narrowing::NearestEven;
+    p.raster_subpixel_bits = 4;
+    p.texel_fraction_bits = kExactBits;
+    p.texel_rounding = FixedRounding::Truncate;
+    p.bilinear_form = BilinearForm::Products;
+    p.lod_fraction_bits = 5;
+    p.lod_sharing = LodSharing::Pixel;
+    p.compare_reference = CompareReference::Raw;
+    CHECK(profile_from_json(profile_to_json(p), "x") == p);
+    std::size_t fields = 0;
+    const Profile defaults;
+    Profile copy = defaults;
+    for_each_field(p, [&](std::string_view, const auto&) { ++fields; });
+    CHECK(fields == 12);
+    CHECK(copy == defaults);
+}
+
+TEST_CASE("a base gives what is not mentioned", "[profile]") {
+    Profile expected = load_profile("ideal");
+    expected.raster_subpixel_bits = 4;
+    CHECK(profile_from_json(R"({"base": "ideal", "raster_subpixel_bits": 4})", "x") == expected);
+    expected = load_profile("d3d11");
+    expected.lod_fraction_bits = kExactBits;
+    CHECK(profile_from_json(R"({"lod_fraction_bits": "exact"})", "x") == expected);
+    CHECK(profile_from_json("{}", "x") == load_profile("d3d11"));
+}
+
+TEST_CASE("mistakes in profiles are named", "[profile][errors]") {
+    CHECK(mentions(message_of(""), "JSON"));
+    CHECK(mentions(message_of("{"), "JSON"));
+    CHECK(mentions(message_of("[1]"), "object"));
+    CHECK(mentions(message_of("3"), "object"));
+    CHECK(mentions(message_of(R"({"colour": 1})"), "colour"));
+    CHECK(mentions(message_of(R"({"base": 1})"), "base"));
+    CHECK(mentions(message_of(R"({"base": "g90"})"), "g90"));
+    CHECK(mentions(message_of(R"({"base": "d3d11", "x": 1})"), "'x'"));
+    CHECK(mentions(message_of(R"({"name": 1})"), "name"));
+    CHECK(mentions(message_of(R"({"flush_denormals": 1})"), "flush_denormals"));
+    CHECK(mentions(message_of(R"({"arithmetic": "fp16"})"), "fp16"));
+    CHECK(mentions(message_of(R"({"arithmetic": 32})"), "arithmetic"));
+    CHECK(mentions(message_of(R"({"raster_subpixel_bits": 0})"), "raster_subpixel_bits"));
+    CHECK(mentions(message_of(R"({"raster_subpixel_bits": 9})"), "9"));
+    CHECK(mentions(message_of(R"({"raster_subpixel_bits": -1})"), "-1"));
+    CHECK(mentions(message_of(R"({"raster_subpixel_bits": "exact"})"), "raster_subpixel_bits"));
+    CHECK(mentions(message_of(R"({"texel_fraction_bits": 8.5})"), "texel_fraction_bits"));
+    CHECK(mentions(message_of(R"({"texel_fraction_bits": -1})"), "texel_fraction_bits"));
+    CHECK(mentions(message_of(R"({"texel_fraction_bits": 4294967298})"), "texel_fraction_bits"));
+    CHECK(mentions(message_of(R"({"texel_fraction_bits": 18446744073709551615})"), "texel_fraction_bits"));
+    CHECK(mentions(message_of(R"({"texel_fraction_bits": null})"), "texel_fraction_bits"));
+    CHECK(mentions(message_of(R"({"lod_fraction_bits": "all"})"), "lod_fraction_bits"));
+    CHECK(mentions(message_of(R"({"texel_rounding": "nearest"})"), "nearest-even"));  // lists the choices
+    // Deep nesting is an error, not a crash.
+    CHECK(message_of(std::string(100000, '[')) != "no error");
+    CHECK(message_of("{\"name\": \"\xff\"}") != "no error");
+}
+
+TEST_CASE("a profile may come from a file", "[profile]") {
+    CHECK_THROWS_AS(load_profile("/nonexistent/profile.json"), Error);
+    CHECK_THROWS_AS(load_profile(""), Error);
+    CHECK_THROWS_AS(load_profile("/"), Error);
+    const std::string path = (std::filesystem::temp_directory_path() / fmt::format("gnomon_profile_{}.json", getpid())).string();
+    {
+        std::ofstream file(path);
+        file << R"({"base": "ideal", "name": "mine"})";
+    }
+    CHECK(load_profile(path).name == "mine");
+    CHECK(load_profile(path).arithmetic == Arithmetic::Fp64);
+    std::remove(path.c_str());
+}

@@ -1,0 +1,77 @@
+#include "traces/command_log.h"
+
+#include "traces/hash.h"
+#include "traces/json_values.h"
+
+namespace gnomon::traces {
+
+namespace {
+
+template <class Id>
+std::uint32_t number(Id id) {
+    return static_cast<std::uint32_t>(id);
+}
+
+Json data_json(std::span<const std::byte> data) { return {{"bytes", data.size()}, {"xxh3_128", xxh3_128_hex(data)}}; }
+
+Json constants_json(std::vector<NamedConstant> (*read)(std::span<const std::byte>), std::span<const std::byte> bytes) {
+    Json json = Json::object();
+    if (read == nullptr || bytes.empty()) return json;
+    for (const NamedConstant& constant : read(bytes)) json[constant.name] = json_of(constant.value);
+    return json;
+}
+
+Json to_json(const CreateBuffer& c) {
+    return {{"cmd", "create_buffer"}, {"id", number(c.id)}, {"label", c.label}, {"data", data_json(c.data)}};
+}
+
+Json to_json(const CreateTexture& c) {
+    return {{"cmd", "create_texture"},        {"id", number(c.id)},         {"label", c.label},
+            {"format", name_of(c.desc.format)}, {"width", c.desc.width},      {"height", c.desc.height},
+            {"levels", c.desc.levels}};
+}
+
+Json to_json(const WriteTexture& c) {
+    return {{"cmd", "write_texture"}, {"id", number(c.id)}, {"level", c.level}, {"data", data_json(c.data)}};
+}
+
+Json to_json(const ClearColor& c) { return {{"cmd", "clear_color"}, {"id", number(c.id)}, {"value", json_of(c.value)}}; }
+
+Json to_json(const ClearDepth& c) { return {{"cmd", "clear_depth"}, {"id", number(c.id)}, {"value", json_of(c.value)}}; }
+
+Json to_json(const GenerateMips& c) { return {{"cmd", "generate_mips"}, {"id", number(c.id)}}; }
+
+Json to_json(const Draw& c) {
+    Json json{{"cmd", "draw"}, {"label", c.label}};
+    std::size_t targets = 0;
+    if (c.program != nullptr) {
+        json["program"] = c.program->name;
+        json["vertex_constants"] = constants_json(c.program->vertex_constants, c.vertex_constants);
+        json["pixel_constants"] = constants_json(c.program->pixel_constants, c.pixel_constants);
+        targets = static_cast<std::size_t>(c.program->targets);
+    }
+    json["vertices"] = number(c.vertices);
+    json["indices"] = number(c.indices);
+    json["first"] = c.first;
+    json["count"] = c.count;
+    json["raster"] = json_of(c.raster);
+    json["depth_state"] = json_of(c.depth_state);
+    json["viewport"] = {c.viewport.x, c.viewport.y, c.viewport.width, c.viewport.height};
+    json["color"] = Json::array();
+    for (std::size_t i = 0; i < targets; ++i) json["color"].push_back(number(c.color[i]));
+    json["depth"] = number(c.depth);
+    return json;
+}
+
+}  // namespace
+
+std::string command_line(const Command& command) {
+    return to_line(std::visit([](const auto& c) { return to_json(c); }, command));
+}
+
+void CommandLog::write(const Command& command) {
+    out_ << command_line(command) << '\n';
+    ++count_;
+}
+
+}  // namespace gnomon::traces
