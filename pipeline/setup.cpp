@@ -129,6 +129,11 @@ SetupResult set_up_triangle(const std::array<const Scalar*, 3>& vertices, const 
         area = -area;
     }
 
+    // Begin with the farthest vertex: then 1/w grows away from vertex 0 on every side, and its interpolation cannot cancel.
+    const auto farthest = std::ranges::min_element(v, {}, &ScreenVertex<Scalar>::inv_w) - v.begin();
+    std::rotate(v.begin(), v.begin() + farthest, v.end());
+    std::rotate(triangle.varyings.begin(), triangle.varyings.begin() + farthest, triangle.varyings.end());
+
     // Pixels it may cover.
     const auto [low_x, high_x] = std::minmax({v[0].x, v[1].x, v[2].x});
     const auto [low_y, high_y] = std::minmax({v[0].y, v[1].y, v[2].y});

@@ -32,7 +32,7 @@ glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
 Camera automatic_camera(const Bounds& model) {
     const Sphere sphere = bounding_sphere(model);
     constexpr double kYfov = 0.7;
-    const double distance = 1.05 * sphere.radius / scalar::sin(0.5 * kYfov);
+    const double distance = 1.2 * sphere.radius / scalar::sin(0.5 * kYfov);
     const glm::dvec3 direction = unit({0.45, 0.5, 1.0});
     // A little below the centre, where the shadow is.
     const glm::dvec3 target = sphere.center - glm::dvec3(0, 0.12 * sphere.radius, 0);

@@ -2,6 +2,8 @@
 
 #include "sim/error.h"
 
+#include <tiny_gltf.h>
+
 #include <cstring>
 #include <limits>
 #include <string_view>

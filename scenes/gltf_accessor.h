@@ -1,11 +1,13 @@
 // Accessors of a glTF file as plain numbers, every size and offset checked before use. glTF 2.0 section 3.6.2
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <cstdint>
 #include <string>
 #include <vector>
+
+namespace tinygltf {
+class Model;
+}
 
 namespace gnomon::scenes {
 

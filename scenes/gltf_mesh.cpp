@@ -5,6 +5,7 @@
 #include "sim/warn.h"
 
 #include <glm/geometric.hpp>
+#include <tiny_gltf.h>
 
 #include <array>
 #include <cmath>

@@ -3,10 +3,13 @@
 
 #include "scenes/scene.h"
 
-#include <tiny_gltf.h>
-
 #include <optional>
 #include <string>
+
+namespace tinygltf {
+class Model;
+struct Primitive;
+}
 
 namespace gnomon::scenes {
 

@@ -176,9 +176,10 @@ inline Float clamp(Float x, Float low, Float high) { return min(max(x, low), hig
 inline Float saturate(Float x) { return clamp(x, Float(0.0f), Float(1.0f)); }
 
 inline Float abs(Float x) { return Float(hn::Abs(x.v)); }
-inline Float sqrt(Float x) { return Float(hn::Sqrt(x.v)); }    // correctly rounded
-inline Float floor(Float x) { return Float(hn::Floor(x.v)); }  // NaN and infinities stay
-inline Float round(Float x) { return Float(hn::Round(x.v)); }  // to nearest even
+inline Float sqrt(Float x) { return Float(hn::Sqrt(x.v)); }  // correctly rounded
+// NaN and infinities stay, and so does the sign of a zero: Highway loses it where it has no instruction to round.
+inline Float floor(Float x) { return Float(hn::CopySign(hn::Floor(x.v), x.v)); }
+inline Float round(Float x) { return Float(hn::CopySign(hn::Round(x.v), x.v)); }  // to nearest even
 
 inline Int bits_of(Float x) { return Int(hn::BitCast(detail::IntTag{}, x.v)); }
 inline Float float_of_bits(Int x) { return Float(hn::BitCast(detail::FloatTag{}, x.v)); }

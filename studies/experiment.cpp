@@ -47,7 +47,7 @@ Experiment::Experiment(const RenderRequest& request) : request_(request) {
     check_size(request.width, request.height);
     runs_ = plan_runs(request);
     profile_ = load_profile(request.profile);
-    scene_ = find_scene(request.scene, request.ground);
+    scene_ = find_scene(request.scene, request.file_options);
 
     // Find out now, not after minutes of other techniques, whether a map is too large.
     for (const PlannedRun& plan : runs_) {

@@ -37,7 +37,7 @@ namespace gnomon::studies {
 /// What a user asks for. Names are checked when the Experiment is made.
 struct RenderRequest {
     std::string scene = "car";  // a built-in scene by name, or a glTF file
-    bool ground = false;        // files only: put the model on a ground plane
+    scenes::GltfOptions file_options{};  // for files: a ground plane, a view chosen anew
     std::string technique = "vsm";  // or "all"
     techniques::TechniqueRequest choices;
     int width = 1024;  // pixels, 1 to kMaxTextureSize
@@ -126,7 +126,7 @@ private:
 };
 
 /// The built-in scene of this name, or the glTF file at this path. Throws Error that lists the names.
-scenes::Scene find_scene(const std::string& name_or_path, bool ground);
+scenes::Scene find_scene(const std::string& name_or_path, const scenes::GltfOptions& options);
 
 /// The techniques that a request means, with their settings. Throws Error as Experiment does.
 std::vector<PlannedRun> plan_runs(const RenderRequest& request);

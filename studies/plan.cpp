@@ -59,11 +59,12 @@ std::vector<PlannedRun> plan_all(const techniques::TechniqueRequest& wanted) {
 
 }  // namespace
 
-scenes::Scene find_scene(const std::string& name_or_path, bool ground) {
+scenes::Scene find_scene(const std::string& name_or_path, const scenes::GltfOptions& options) {
     std::string names;
     for (const scenes::ProceduralScene& scene : scenes::procedural_scenes()) {
         if (scene.name == name_or_path) {
-            if (ground) fail("--ground: {} is a built-in scene; the option is for files", name_or_path);
+            if (options.ground) fail("--ground: {} is a built-in scene; the option is for files", name_or_path);
+            if (options.automatic_view) fail("--auto-view: {} is a built-in scene; the option is for files", name_or_path);
             return scene.make();
         }
         names += names.empty() ? "" : ", ";
@@ -74,7 +75,7 @@ scenes::Scene find_scene(const std::string& name_or_path, bool ground) {
     if (!std::filesystem::exists(status))
         fail("--scene '{}': neither a built-in scene ({}) nor a file", name_or_path, names);
     if (!std::filesystem::is_regular_file(status)) fail("--scene '{}': not a regular file", name_or_path);
-    return scenes::load_gltf(name_or_path, {.ground = ground});
+    return scenes::load_gltf(name_or_path, options);
 }
 
 std::vector<PlannedRun> plan_runs(const RenderRequest& request) {

@@ -13,7 +13,8 @@ Json configuration_json(const RenderResult& result) {
     const RenderRequest& request = result.request;
     Json json;
     json["scene"] = request.scene;
-    json["ground"] = request.ground;
+    json["ground"] = request.file_options.ground;
+    json["auto_view"] = request.file_options.automatic_view;
     json["technique"] = request.technique;
     json["map"] = result.settings.map_size;
     json["size"] = {request.width, request.height};

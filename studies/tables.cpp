@@ -40,7 +40,7 @@ std::string report_text(const RenderResult& result) {
     const RenderRequest& request = result.request;
     std::string text;
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene, request.ground ? " on a ground plane" : "",
+    fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene, request.file_options.ground ? " on a ground plane" : "",
                    grouped(result.scene.triangles));
     fmt::format_to(out, "technique   {}\n", settings_text(result));
     fmt::format_to(out, "image       {}x{}, profile {}, {} thread{}\n", request.width, request.height, result.profile.name,

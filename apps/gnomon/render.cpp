@@ -121,7 +121,9 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->type_name("NAME|FILE")
         ->required()
         ->group(kGroup);
-    command.add_flag("--ground", request.ground, "Put the model of a file on a ground plane")->group(kGroup);
+    command.add_flag("--ground", request.file_options.ground, "Put the model of a file on a ground plane")->group(kGroup);
+    command.add_flag("--auto-view", request.file_options.automatic_view, "Choose camera and light even where the file has them")
+        ->group(kGroup);
     command
         .add_option_function<std::string>(
             "--size",

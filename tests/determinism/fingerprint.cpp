@@ -1,6 +1,8 @@
 // Prints one line `name hash` for everything whose bytes must not depend on threads, SIMD width, instruction set or compiler.
 // gnomon_fingerprint [THREADS]
 #include "scenes/procedural.h"
+#include "sim/fixed.h"
+#include "sim/half.h"
 #include "sim/math.h"
 #include "techniques/frame.h"
 
@@ -72,6 +74,11 @@ int main(int argc, char** argv) {
     fingerprint_function("log2", [](Float x) { return log2(x); });
     fingerprint_function("rcp", [](Float x) { return rcp(x); });
     fingerprint_function("rsqrt", [](Float x) { return rsqrt(x); });
+
+    fingerprint_function("floor", [](Float x) { return floor(x); });
+    fingerprint_function("round", [](Float x) { return round(x); });
+    fingerprint_function("half", [](Float x) { return float_from_half_bits(half_bits_from_float(x, Narrowing::NearestEven)); });
+    fingerprint_function("unorm24", [](Float x) { return Float(unorm_from_float(x, 24)); });
 
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();

@@ -21,8 +21,9 @@ inline std::int64_t turn(const Point& p, const Point& q, const Point& r) {
     return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
 }
 
-/// Whether s belongs to the side of line pq on which r lies. On the line itself the top-left rule decides: a top edge is exactly
-/// horizontal with the triangle below it; a left edge is not horizontal and has the triangle to its right. D3D11.3 3.4.2.1
+/// Whether s belongs to the side of line pq on which r lies. On the line itself the top-left rule decides: a top edge is
+/// exactly horizontal with the triangle below it; a left edge is not horizontal and has the triangle to its right.
+/// D3D11.3 3.4.2.1
 inline bool on_inner_side(const Point& p, const Point& q, const Point& r, const Point& s) {
     const std::int64_t inner = turn(p, q, r);
     const std::int64_t here = turn(p, q, s);

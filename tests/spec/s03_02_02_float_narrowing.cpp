@@ -4,8 +4,8 @@
 #include "tests/oracle/texture.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 
@@ -45,7 +45,8 @@ std::vector<std::uint16_t> stored(const Profile& profile, const std::vector<floa
 
 TEST_CASE("narrowing toward zero never grows a value and leaves less than one unit", "[3.2.2]") {
     oracle::Random random(1);
-    std::vector<float> values{65504.0f, 65519.0f, 65520.0f, 1e10f, -1e10f, 1.0f, -1.0f, 0x1p-24f, 0x1.8p-24f, 0x1p-25f, 0x1.ffcp-15f, 0x1.ffep-15f};
+    std::vector<float> values{65504.0f, 65519.0f, 65520.0f,   1e10f,    -1e10f,       1.0f,
+                              -1.0f,    0x1p-24f, 0x1.8p-24f, 0x1p-25f, 0x1.ffcp-15f, 0x1.ffep-15f};
     for (int i = 0; i < 3000; ++i) values.push_back(std::ldexp(random.in(-2.0f, 2.0f), random.integer(-26, 15)));
     const auto halves = stored(Profile{}, values);
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -2,8 +2,8 @@
 #include "pipeline/draw.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cstring>
 
@@ -31,7 +31,9 @@ struct CopyVertex {
 struct CopyTexel {
     TextureId source = TextureId::None;
     Sampler sampler{};
-    static constexpr auto fields() { return std::tuple{Field{"source", &CopyTexel::source}, Field{"sampler", &CopyTexel::sampler}}; }
+    static constexpr auto fields() {
+        return std::tuple{Field{"source", &CopyTexel::source}, Field{"sampler", &CopyTexel::sampler}};
+    }
 
     template <class F>
     auto operator()(const F& f) const {
@@ -59,14 +61,17 @@ TEST_CASE("a full-screen copy keeps every code of every colour format", "[3.2.3]
                     std::uint32_t code = i * (2 * c + 1);
                     if (info.bits_per_component == 32) code = i * 65537u + c * 77u;
                     // Signalling NaNs become quiet; floats below the normal range may be flushed (22.4.15).
-                    if (info.type == ComponentType::Float16 && (code & 0x7c00u) == 0x7c00u && (code & 0x3ffu) != 0) code |= 0x200u;
+                    if (info.type == ComponentType::Float16 && (code & 0x7c00u) == 0x7c00u && (code & 0x3ffu) != 0)
+                        code |= 0x200u;
                     if (info.type == ComponentType::Float32 && (code & 0x7f800000u) == 0x7f800000u) code &= 0xff800000u;
                     if (info.type == ComponentType::Float32 && (code & 0x7f800000u) == 0) code &= 0x80000000u;
                     std::memcpy(bytes.data() + (i * static_cast<std::size_t>(info.components) + c) * size, &code, size);
                 }
             device.execute(WriteTexture{source, 0, bytes});
             for (const TexelFilter filter : {TexelFilter::Nearest, TexelFilter::Linear}) {
-                if (filter == TexelFilter::Linear && (info.type == ComponentType::Float16 || info.type == ComponentType::Float32)) continue;  // NaN and signed zeros of neighbours
+                if (filter == TexelFilter::Linear &&
+                    (info.type == ComponentType::Float16 || info.type == ComponentType::Float32))
+                    continue;  // NaN and signed zeros of neighbours
                 const std::array<float, 6> corners{-1, 1, 3, 1, -1, -3};
                 const CopyVertex vertex;
                 const CopyTexel pixel{.source = source, .sampler = {.min = filter, .mag = filter}};
@@ -91,9 +96,10 @@ TEST_CASE("a full-screen copy keeps every code of every colour format", "[3.2.3]
                 const auto copied = device.texture(target).level_bytes(0);
                 for (std::size_t i = 0; i < bytes.size(); ++i)
                     if (copied[i] != bytes[i])
-                        FAIL(fmt::format("{} {} {} texel {} byte {}: {:#04x}, expected {:#04x}", profile, info.name, name_of(filter),
-                                         i / static_cast<std::size_t>(info.bytes_per_texel), i % static_cast<std::size_t>(info.bytes_per_texel),
-                                         static_cast<int>(copied[i]), static_cast<int>(bytes[i])));
+                        FAIL(fmt::format("{} {} {} texel {} byte {}: {:#04x}, expected {:#04x}", profile, info.name,
+                                         name_of(filter), i / static_cast<std::size_t>(info.bytes_per_texel),
+                                         i % static_cast<std::size_t>(info.bytes_per_texel), static_cast<int>(copied[i]),
+                                         static_cast<int>(bytes[i])));
             }
         }
 }

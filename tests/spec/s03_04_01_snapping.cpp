@@ -2,8 +2,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 

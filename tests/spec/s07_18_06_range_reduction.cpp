@@ -3,21 +3,23 @@
 #include "tests/unit/texunit_calls.h"
 #include "texunit/address.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
 
 TEST_CASE("range reduction follows the specification bit for bit", "[7.18.6]") {
     oracle::Random random(1);
-    std::vector<float> values{0.0f, -0.0f, 1.0f, -1.0f, 2.0f, -2.0f, 10.0f, -10.0f, 0x1p-30f, -0x1p-30f, 1e10f, -1e10f, 3.4e38f, -3.4e38f,
+    std::vector<float> values{0.0f,        -0.0f,        1.0f,       -1.0f,       2.0f,      -2.0f,     10.0f,
+                              -10.0f,      0x1p-30f,     -0x1p-30f,  1e10f,       -1e10f,    3.4e38f,   -3.4e38f,
                               0.99999994f, -0.99999994f, 1.9999999f, -1.9999999f, HUGE_VALF, -HUGE_VALF};
     for (int i = 0; i < 20000; ++i) {
         const float any = random.any_float();
         values.push_back(std::fabs(any) < 0x1p-126f ? 0.0f : any);
         values.push_back(random.in(-25.0f, 25.0f));
-        values.push_back(static_cast<float>(random.integer(-40, 40)) * 0.5f + static_cast<float>(random.integer(-3, 3)) * 0x1p-22f);
+        values.push_back(static_cast<float>(random.integer(-40, 40)) * 0.5f +
+                         static_cast<float>(random.integer(-3, 3)) * 0x1p-22f);
     }
     for (const AddressMode mode : {AddressMode::Wrap, AddressMode::Mirror, AddressMode::Clamp, AddressMode::Border})
         for (const float u : values) {
@@ -49,7 +51,8 @@ TEST_CASE("range reduction does not change the chosen texels", "[7.18.6][7.18.7]
             const auto got = sample_all(texture, sampler, Profile{}, coordinates);
             for (std::size_t i = 0; i < got.size(); ++i)
                 if (got[i][0] != expected[i])
-                    FAIL(fmt::format("size {} {} u {:a}: texel value {}, expected {}", size, name_of(mode), coordinates[i].u, got[i][0], expected[i]));
+                    FAIL(fmt::format("size {} {} u {:a}: texel value {}, expected {}", size, name_of(mode), coordinates[i].u,
+                                     got[i][0], expected[i]));
         }
     }
 }

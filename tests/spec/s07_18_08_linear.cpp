@@ -2,14 +2,15 @@
 #include "tests/oracle/random.h"
 #include "tests/unit/texunit_calls.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
 
 TEST_CASE("every pair of 8-bit weights, from impulses", "[7.18.8]") {
-    // A texel of 2^16 among zeros: the filtered value is the product of the two weights, an integer. All 256 x 256 pairs, all four corners.
+    // A texel of 2^16 among zeros: the filtered value is the product of the two weights, an integer. All 256 x 256 pairs, all
+    // four corners.
     for (int corner = 0; corner < 4; ++corner) {
         std::vector<std::uint32_t> codes(16 * 16, 0);
         codes[static_cast<std::size_t>((5 + corner / 2) * 16 + 7 + corner % 2)] = std::bit_cast<std::uint32_t>(65536.0f);
@@ -17,7 +18,8 @@ TEST_CASE("every pair of 8-bit weights, from impulses", "[7.18.8]") {
         std::vector<Coordinate> coordinates;
         for (int v = 0; v < 256; ++v)
             for (int u = 0; u < 256; ++u)
-                coordinates.push_back({(7.5f + static_cast<float>(u) / 256.0f) / 16.0f, (5.5f + static_cast<float>(v) / 256.0f) / 16.0f});
+                coordinates.push_back(
+                    {(7.5f + static_cast<float>(u) / 256.0f) / 16.0f, (5.5f + static_cast<float>(v) / 256.0f) / 16.0f});
         for (const BilinearForm form : {BilinearForm::Lerp, BilinearForm::Products}) {
             Profile profile;
             profile.bilinear_form = form;
@@ -27,7 +29,8 @@ TEST_CASE("every pair of 8-bit weights, from impulses", "[7.18.8]") {
                     const int expected = (corner % 2 == 1 ? u : 256 - u) * (corner / 2 == 1 ? v : 256 - v);
                     const float value = got[static_cast<std::size_t>(v * 256 + u)][0];
                     if (value != static_cast<float>(expected))
-                        FAIL(fmt::format("{} corner {} weights {} {}: {} / 65536, expected {}", name_of(form), corner, u, v, value, expected));
+                        FAIL(fmt::format("{} corner {} weights {} {}: {} / 65536, expected {}", name_of(form), corner, u, v,
+                                         value, expected));
                 }
         }
     }
@@ -92,15 +95,16 @@ TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.
                     worst = std::max(worst, std::fabs(static_cast<double>(value) - exact));
                     if (std::bit_cast<std::uint32_t>(value) != std::bit_cast<std::uint32_t>(lerped) ||
                         std::fabs(static_cast<double>(value) - exact) > 6 * 0x1p-23)
-                        FAIL(fmt::format("{} {}x{} {} {} uv ({:a}, {:a}) channel {}: {:a}, lerp form {:a}, exact {:a}", info.name, width, height,
-                                         name_of(sampler.address_u), name_of(sampler.address_v), coordinates[i].u, coordinates[i].v, c, value,
-                                         lerped, exact));
-                    // Exact weights differ by at most 1/512 per axis from the 8-bit ones, texels by at most 2; one axis can also
-                    // sit at a discontinuity only where the texels repeat.
+                        FAIL(fmt::format("{} {}x{} {} {} uv ({:a}, {:a}) channel {}: {:a}, lerp form {:a}, exact {:a}",
+                                         info.name, width, height, name_of(sampler.address_u), name_of(sampler.address_v),
+                                         coordinates[i].u, coordinates[i].v, c, value, lerped, exact));
+                    // Exact weights differ by at most 1/512 per axis from the 8-bit ones, texels by at most 2; one axis can
+                    // also sit at a discontinuity only where the texels repeat.
                     const double difference = std::fabs(ideal[i][static_cast<std::size_t>(c)] - exact);
                     if (difference > 2 * 2 * (1.0 / 512 + 1e-5))
-                        FAIL(fmt::format("{} ideal uv ({:a}, {:a}) channel {}: {:a} is {} from {:a}", info.name, coordinates[i].u, coordinates[i].v,
-                                         c, ideal[i][static_cast<std::size_t>(c)], difference, exact));
+                        FAIL(fmt::format("{} ideal uv ({:a}, {:a}) channel {}: {:a} is {} from {:a}", info.name,
+                                         coordinates[i].u, coordinates[i].v, c, ideal[i][static_cast<std::size_t>(c)],
+                                         difference, exact));
                 }
             }
         }
@@ -110,8 +114,8 @@ TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.
 
 TEST_CASE("the ideal profile filters with exact weights", "[7.18.8]") {
     oracle::Random random(77);
-    const std::vector<std::uint32_t> codes{std::bit_cast<std::uint32_t>(1.0f), std::bit_cast<std::uint32_t>(-3.0f), std::bit_cast<std::uint32_t>(0.1f),
-                                           std::bit_cast<std::uint32_t>(7.0f)};
+    const std::vector<std::uint32_t> codes{std::bit_cast<std::uint32_t>(1.0f), std::bit_cast<std::uint32_t>(-3.0f),
+                                           std::bit_cast<std::uint32_t>(0.1f), std::bit_cast<std::uint32_t>(7.0f)};
     const Texture texture = texture_of(Format::R32Float, 2, 2, codes);
     std::vector<Coordinate> coordinates;
     for (int i = 0; i < 2000; ++i) coordinates.push_back({random.in(0.25f, 0.75f), random.in(0.25f, 0.75f)});
@@ -119,8 +123,10 @@ TEST_CASE("the ideal profile filters with exact weights", "[7.18.8]") {
     for (std::size_t i = 0; i < got.size(); ++i) {
         const long double u = static_cast<long double>(coordinates[i].u) * 2 - 0.5L;
         const long double v = static_cast<long double>(coordinates[i].v) * 2 - 0.5L;
-        const long double exact = 1.0L * (1 - u) * (1 - v) - 3.0L * u * (1 - v) + static_cast<long double>(0.1f) * (1 - u) * v + 7.0L * u * v;
+        const long double exact =
+            1.0L * (1 - u) * (1 - v) - 3.0L * u * (1 - v) + static_cast<long double>(0.1f) * (1 - u) * v + 7.0L * u * v;
         if (std::fabs(static_cast<long double>(got[i][0]) - exact) > 1e-14L)
-            FAIL(fmt::format("uv ({:a}, {:a}): {:a}, exact {:a}", coordinates[i].u, coordinates[i].v, got[i][0], static_cast<double>(exact)));
+            FAIL(fmt::format("uv ({:a}, {:a}): {:a}, exact {:a}", coordinates[i].u, coordinates[i].v, got[i][0],
+                             static_cast<double>(exact)));
     }
 }

@@ -3,8 +3,8 @@
 #include "tests/unit/texunit_calls.h"
 #include "texunit/address.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 
@@ -28,7 +28,8 @@ TEST_CASE("texel indices wrap as the specification's pseudocode", "[7.18.9]") {
                 const int got = lane(apply_address_mode(Int(t), Int(size), mode), 0);
                 const bool border = (outside(Int(t), Int(size), mode).bits() & 1u) != 0;
                 if (border != (expected < 0) || (expected >= 0 && got != expected) || got < 0 || got >= size)
-                    FAIL(fmt::format("{} of {} in {}: {} border {}, expected {}", name_of(mode), t, size, got, border, expected));
+                    FAIL(fmt::format("{} of {} in {}: {} border {}, expected {}", name_of(mode), t, size, got, border,
+                                     expected));
             }
         }
 }
@@ -47,7 +48,8 @@ TEST_CASE("linear samples across every edge take the texels the modes say", "[7.
                 for (int y = -3 * height; y <= 4 * height; ++y)
                     for (int x = -3 * width; x <= 4 * width; ++x)
                         for (const float f : {0.0f, 0.25f, 0.5f, 0.7f})
-                            coordinates.push_back({(static_cast<float>(x) + f) / static_cast<float>(width), (static_cast<float>(y) + 0.5f * f) / static_cast<float>(height)});
+                            coordinates.push_back({(static_cast<float>(x) + f) / static_cast<float>(width),
+                                                   (static_cast<float>(y) + 0.5f * f) / static_cast<float>(height)});
                 const auto got = sample_all(texture, sampler, Profile{}, coordinates);
                 for (std::size_t i = 0; i < got.size(); ++i) {
                     const auto u = oracle::linear_axis(coordinates[i].u, width, oracle_mode(mode_u));
@@ -55,8 +57,8 @@ TEST_CASE("linear samples across every edge take the texels the modes say", "[7.
                     const double exact = oracle::bilinear(image.taps(u, v), u.weight, v.weight);
                     // Three lerps of differences up to the largest texel, three roundings each, the inner two averaged.
                     if (std::fabs(static_cast<double>(got[i][0]) - exact) > std::ranges::max(image.taps(u, v)) * 0x1p-21)
-                        FAIL(fmt::format("{}x{} {} {} uv ({:a}, {:a}): {:a}, exact {:a}", width, height, name_of(mode_u), name_of(mode_v), coordinates[i].u,
-                                         coordinates[i].v, got[i][0], exact));
+                        FAIL(fmt::format("{}x{} {} {} uv ({:a}, {:a}): {:a}, exact {:a}", width, height, name_of(mode_u),
+                                         name_of(mode_v), coordinates[i].u, coordinates[i].v, got[i][0], exact));
                 }
             }
     }
@@ -66,11 +68,15 @@ TEST_CASE("the border colour is clamped to the format's range", "[7.18.9.1]") {
     for (const FormatInfo& info : kFormats) {
         const std::vector<std::uint32_t> codes(static_cast<std::size_t>(info.components), 0);
         const Texture texture = texture_of(info.format, 1, 1, codes);
-        const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .address_u = AddressMode::Border,
-                              .address_v = AddressMode::Border, .border = {2.0f, -1.0f, 0.25f, 9.0f}};
+        const Sampler sampler{.min = TexelFilter::Nearest,
+                              .mag = TexelFilter::Nearest,
+                              .address_u = AddressMode::Border,
+                              .address_v = AddressMode::Border,
+                              .border = {2.0f, -1.0f, 0.25f, 9.0f}};
         const bool limited = info.is_depth || info.type == ComponentType::Unorm8 || info.type == ComponentType::Unorm16;
         // Outside in u only, in v only, in both.
-        for (const auto& color : sample_all(texture, sampler, Profile{}, std::vector<Coordinate>{{1.5f, 0.5f}, {0.5f, -0.7f}, {-3.0f, 3.0f}})) {
+        for (const auto& color :
+             sample_all(texture, sampler, Profile{}, std::vector<Coordinate>{{1.5f, 0.5f}, {0.5f, -0.7f}, {-3.0f, 3.0f}})) {
             INFO(info.name);
             CHECK(color[0] == (limited ? 1.0f : 2.0f));
             CHECK(color[1] == (info.components < 2 ? 0.0f : limited ? 0.0f : -1.0f));
@@ -89,7 +95,8 @@ TEST_CASE("the border colour is clamped to the format's range", "[7.18.9.1]") {
 TEST_CASE("texels outside a level load as zero", "[22.4.6]") {
     const std::vector<std::uint32_t> codes(15, std::bit_cast<std::uint32_t>(4.0f));
     const Texture texture = texture_of(Format::R32Float, 5, 3, codes);
-    for (const auto& [x, y] : {std::pair{-1, 0}, std::pair{0, -1}, std::pair{5, 0}, std::pair{0, 3}, std::pair{INT32_MAX, INT32_MAX}, std::pair{INT32_MIN, 1}}) {
+    for (const auto& [x, y] : {std::pair{-1, 0}, std::pair{0, -1}, std::pair{5, 0}, std::pair{0, 3},
+                               std::pair{INT32_MAX, INT32_MAX}, std::pair{INT32_MIN, 1}}) {
         const Vec4<Float> color = load_texel<Float>(texture, Int(x), Int(y), 0);
         CHECK(lane(color.x, 0) == 0.0f);
         CHECK(lane(color.w, 0) == 0.0f);

@@ -2,8 +2,8 @@
 #include "tests/oracle/random.h"
 #include "tests/unit/texunit_calls.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 
@@ -16,7 +16,8 @@ namespace {
 Texture constant_levels(int width, int height, int levels) {
     Texture texture({.format = Format::R32Float, .width = width, .height = height, .levels = levels});
     for (int level = 0; level < levels; ++level) {
-        const std::vector<float> values(static_cast<std::size_t>(texture.width(level) * texture.height(level)), 1024.0f * static_cast<float>(level));
+        const std::vector<float> values(static_cast<std::size_t>(texture.width(level) * texture.height(level)),
+                                        1024.0f * static_cast<float>(level));
         texture.set_level_bytes(level, std::as_bytes(std::span(values)).data(), values.size() * 4);
     }
     return texture;
@@ -44,9 +45,11 @@ TEST_CASE("linear mip weights are the fraction of the 8.8 level of detail", "[7.
         const auto got = sample_all(texture, sampler, Profile{}, coordinates);
         for (std::size_t i = 0; i < got.size(); ++i) {
             // 1024 per level and 1/256 steps: 4 per step, exact.
-            const std::int64_t available = std::clamp<std::int64_t>(fixed_lod(std::max(coordinates[i].lod, 0.0f)), 0, 256 * (levels - 1));
+            const std::int64_t available =
+                std::clamp<std::int64_t>(fixed_lod(std::max(coordinates[i].lod, 0.0f)), 0, 256 * (levels - 1));
             const float expected = static_cast<float>(4 * available);
-            if (got[i][0] != expected) FAIL(fmt::format("levels {} lod {:a}: {}, expected {}", levels, coordinates[i].lod, got[i][0], expected));
+            if (got[i][0] != expected)
+                FAIL(fmt::format("levels {} lod {:a}: {}, expected {}", levels, coordinates[i].lod, got[i][0], expected));
         }
     }
 }
@@ -56,11 +59,14 @@ TEST_CASE("the nearest mip is the integer part of the 8.8 level of detail plus o
         const Texture texture = constant_levels(64, 64, levels);
         const auto coordinates = lods();
         for (const TexelFilter filter : {TexelFilter::Linear, TexelFilter::Nearest}) {
-            const auto got = sample_all(texture, Sampler{.min = filter, .mag = filter, .mip = MipFilter::Nearest}, Profile{}, coordinates);
+            const auto got =
+                sample_all(texture, Sampler{.min = filter, .mag = filter, .mip = MipFilter::Nearest}, Profile{}, coordinates);
             for (std::size_t i = 0; i < got.size(); ++i) {
-                const std::int64_t level = std::clamp<std::int64_t>((fixed_lod(std::max(coordinates[i].lod, 0.0f)) + 128) / 256, 0, levels - 1);
+                const std::int64_t level =
+                    std::clamp<std::int64_t>((fixed_lod(std::max(coordinates[i].lod, 0.0f)) + 128) / 256, 0, levels - 1);
                 if (got[i][0] != 1024.0f * static_cast<float>(level))
-                    FAIL(fmt::format("levels {} lod {:a}: level {}, expected {}", levels, coordinates[i].lod, got[i][0] / 1024, level));
+                    FAIL(fmt::format("levels {} lod {:a}: level {}, expected {}", levels, coordinates[i].lod, got[i][0] / 1024,
+                                     level));
             }
         }
     }
@@ -77,23 +83,32 @@ TEST_CASE("lanes on different levels read their own texels", "[7.18.10]") {
     }
     oracle::Random random(3);
     std::vector<Coordinate> coordinates;
-    for (int i = 0; i < 20000; ++i) coordinates.push_back({random.in(-1.0f, 2.0f), random.in(-1.0f, 2.0f), random.in(-1.0f, 7.0f)});
-    const auto got = sample_all(texture, Sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .mip = MipFilter::Nearest, .address_u = AddressMode::Wrap, .address_v = AddressMode::Mirror},
+    for (int i = 0; i < 20000; ++i)
+        coordinates.push_back({random.in(-1.0f, 2.0f), random.in(-1.0f, 2.0f), random.in(-1.0f, 7.0f)});
+    const auto got = sample_all(texture,
+                                Sampler{.min = TexelFilter::Nearest,
+                                        .mag = TexelFilter::Nearest,
+                                        .mip = MipFilter::Nearest,
+                                        .address_u = AddressMode::Wrap,
+                                        .address_v = AddressMode::Mirror},
                                 Profile{}, coordinates);
     for (std::size_t i = 0; i < got.size(); ++i) {
-        const auto level = static_cast<int>(std::clamp<std::int64_t>((fixed_lod(std::max(coordinates[i].lod, 0.0f)) + 128) / 256, 0, 5));
+        const auto level =
+            static_cast<int>(std::clamp<std::int64_t>((fixed_lod(std::max(coordinates[i].lod, 0.0f)) + 128) / 256, 0, 5));
         const auto x = oracle::point_axis(coordinates[i].u, texture.width(level), oracle::Address::Wrap).texel[0];
         const auto y = oracle::point_axis(coordinates[i].v, texture.height(level), oracle::Address::Mirror).texel[0];
         const auto expected = static_cast<float>(level * 10000 + y * 100 + x);
         if (got[i][0] != expected)
-            FAIL(fmt::format("uv ({:a}, {:a}) lod {:a}: {}, expected {}", coordinates[i].u, coordinates[i].v, coordinates[i].lod, got[i][0], expected));
+            FAIL(fmt::format("uv ({:a}, {:a}) lod {:a}: {}, expected {}", coordinates[i].u, coordinates[i].v,
+                             coordinates[i].lod, got[i][0], expected));
     }
 }
 
 TEST_CASE("the mip filter Base never leaves level 0", "[7.18.10]") {
     const Texture texture = constant_levels(16, 16, 5);
     for (const auto& color : sample_all(texture, Sampler{.mip = MipFilter::Base}, Profile{}, lods())) REQUIRE(color[0] == 0.0f);
-    for (const auto& color : sample_all(texture, Sampler{.min = TexelFilter::Nearest, .mip = MipFilter::Base, .min_lod = 3.0f}, Profile{}, lods()))
+    for (const auto& color :
+         sample_all(texture, Sampler{.min = TexelFilter::Nearest, .mip = MipFilter::Base, .min_lod = 3.0f}, Profile{}, lods()))
         REQUIRE(color[0] == 0.0f);
 }
 

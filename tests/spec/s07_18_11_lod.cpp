@@ -3,8 +3,8 @@
 #include "tests/unit/texunit_calls.h"
 #include "texunit/lod.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -25,21 +25,24 @@ TEST_CASE("the implicit level of detail is log2 of the longer derivative", "[7.1
         for (const LodSharing sharing : {LodSharing::Quad, LodSharing::Pixel}) {
             Profile profile;
             profile.lod_sharing = sharing;
-            const auto got = implicit_lod(Vec2<Float>{Float::load(u.data()), Float::load(v.data())}, width, height, profile).lanes();
+            const auto got =
+                implicit_lod(Vec2<Float>{Float::load(u.data()), Float::load(v.data())}, width, height, profile).lanes();
             for (std::size_t i = 0; i < kLanes; ++i) {
                 const std::size_t quad = i / 4 * 4;
                 const std::size_t row = sharing == LodSharing::Quad ? quad : quad + (i & 2);
                 const std::size_t column = sharing == LodSharing::Quad ? quad : quad + (i & 1);
                 // The derivatives are fp32 subtractions, everything after is exact here.
                 const auto length = [&](std::size_t a, std::size_t b) {
-                    return std::hypot(static_cast<long double>(u[b] - u[a]) * width, static_cast<long double>(v[b] - v[a]) * height);
+                    return std::hypot(static_cast<long double>(u[b] - u[a]) * width,
+                                      static_cast<long double>(v[b] - v[a]) * height);
                 };
                 const long double exact = std::log2(std::max(length(row, row + 1), length(column, column + 2)));
                 const double error = std::fabs(static_cast<double>(static_cast<long double>(got[i]) - exact));
                 worst = std::max(worst, error);
                 // The squared length carries at most 4 roundings: 4 * 2^-24 / ln 2 / 2; log2 below 3 ULP of at most 64.
                 if (!(error <= 0.5 * 3 * 0x1p-18 + 3 * 0x1p-24))
-                    FAIL(fmt::format("seed {} lane {} {}: {:a}, exact {:a}", seed, i, name_of(sharing), got[i], static_cast<double>(exact)));
+                    FAIL(fmt::format("seed {} lane {} {}: {:a}, exact {:a}", seed, i, name_of(sharing), got[i],
+                                     static_cast<double>(exact)));
             }
         }
     }
@@ -52,7 +55,8 @@ namespace {
 Texture levels_256() {
     Texture texture({.format = Format::R32Float, .width = 256, .height = 256, .levels = 9});
     for (int level = 0; level < 9; ++level) {
-        const std::vector<float> values(static_cast<std::size_t>(texture.width(level) * texture.height(level)), 1024.0f * static_cast<float>(level));
+        const std::vector<float> values(static_cast<std::size_t>(texture.width(level) * texture.height(level)),
+                                        1024.0f * static_cast<float>(level));
         texture.set_level_bytes(level, std::as_bytes(std::span(values)).data(), values.size() * 4);
     }
     return texture;
@@ -115,7 +119,8 @@ TEST_CASE("magnification is decided after the clamp", "[7.18.11]") {
     CHECK(at(linear_mag, 0.25f) == 0.0f);
 
     // Lanes that differ, in one wave.
-    const std::vector<Coordinate> mixed{{0.375f, 0.5f, -1.0f}, {0.375f, 0.5f, 0.25f}, {0.375f, 0.5f, 0.0f}, {0.375f, 0.5f, 0.125f}};
+    const std::vector<Coordinate> mixed{
+        {0.375f, 0.5f, -1.0f}, {0.375f, 0.5f, 0.25f}, {0.375f, 0.5f, 0.0f}, {0.375f, 0.5f, 0.125f}};
     const auto got = sample_all(texture, nearest_mag, Profile{}, mixed);
     CHECK(got[0][0] == 0.0f);
     CHECK(got[1][0] == 0.25f);

@@ -3,8 +3,8 @@
 #include "tests/unit/texunit_calls.h"
 #include "texunit/mipmap.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 
@@ -38,7 +38,9 @@ TEST_CASE("filtered values lie between the smallest and largest texel", "[7.18.1
             std::vector<std::uint32_t> codes(count);
             const bool near = round % 3 == 0;  // neighbouring codes: where rounding could step outside
             const std::uint32_t base = moderate_code(info.format, random);
-            for (auto& code : codes) code = near ? std::max(base, 4u) - static_cast<std::uint32_t>(random.integer(0, 3)) : finite_code(info.format, random);
+            for (auto& code : codes)
+                code = near ? std::max(base, 4u) - static_cast<std::uint32_t>(random.integer(0, 3))
+                            : finite_code(info.format, random);
             const Texture texture = texture_of(info.format, 4, 4, codes);
             std::vector<Coordinate> coordinates;
             for (int i = 0; i < 100; ++i) coordinates.push_back({random.in(0.125f, 0.875f), random.in(0.125f, 0.875f)});
@@ -57,8 +59,9 @@ TEST_CASE("filtered values lie between the smallest and largest texel", "[7.18.1
                     const auto [low, high] = std::ranges::minmax(taps);
                     const auto value = static_cast<double>(got[i][static_cast<std::size_t>(c)]);
                     if (!(value >= low && value <= high))
-                        FAIL(fmt::format("{} round {} uv ({:a}, {:a}) channel {}: {:a} outside [{:a}, {:a}], weights {} {}", info.name, round,
-                                         coordinates[i].u, coordinates[i].v, c, value, low, high, u.weight, v.weight));
+                        FAIL(fmt::format("{} round {} uv ({:a}, {:a}) channel {}: {:a} outside [{:a}, {:a}], weights {} {}",
+                                         info.name, round, coordinates[i].u, coordinates[i].v, c, value, low, high, u.weight,
+                                         v.weight));
                 }
             }
         }
@@ -74,23 +77,28 @@ TEST_CASE("a constant texture gives that constant, for every format, filter and 
             Texture texture({.format = info.format, .width = 5, .height = 3, .levels = 3});
             for (int level = 0; level < 3; ++level) {
                 std::vector<std::uint32_t> codes;
-                for (int i = 0; i < texture.width(level) * texture.height(level); ++i) codes.insert(codes.end(), one.begin(), one.end());
+                for (int i = 0; i < texture.width(level) * texture.height(level); ++i)
+                    codes.insert(codes.end(), one.begin(), one.end());
                 const Texture flat = texture_of(info.format, texture.width(level), texture.height(level), codes);
                 const auto bytes = flat.level_bytes(0);
                 texture.set_level_bytes(level, bytes.data(), bytes.size());
             }
             std::vector<Coordinate> coordinates;
-            for (int i = 0; i < 64; ++i) coordinates.push_back({random.in(-3.0f, 3.0f), random.in(-3.0f, 3.0f), random.in(-1.0f, 4.0f)});
+            for (int i = 0; i < 64; ++i)
+                coordinates.push_back({random.in(-3.0f, 3.0f), random.in(-3.0f, 3.0f), random.in(-1.0f, 4.0f)});
             for (const AddressMode mode : {AddressMode::Wrap, AddressMode::Mirror, AddressMode::Clamp})
                 for (const TexelFilter filter : {TexelFilter::Nearest, TexelFilter::Linear})
                     for (const MipFilter mip : {MipFilter::Base, MipFilter::Nearest, MipFilter::Linear}) {
-                        const auto got = sample_all(texture, {.min = filter, .mag = filter, .mip = mip, .address_u = mode, .address_v = mode}, Profile{}, coordinates);
+                        const auto got = sample_all(
+                            texture, {.min = filter, .mag = filter, .mip = mip, .address_u = mode, .address_v = mode},
+                            Profile{}, coordinates);
                         for (const auto& color : got)
                             for (std::size_t c = 0; c < one.size(); ++c) {
                                 double expected = code_value(info.format, one[c]);
                                 const bool tiny = std::fabs(expected) < 0x1p-126;
                                 if (static_cast<double>(color[c]) != expected && !(tiny && color[c] == 0.0f))
-                                    FAIL(fmt::format("{} {} {} {} channel {}: {:a}, expected {:a}", info.name, name_of(mode), name_of(filter), name_of(mip), c, color[c], expected));
+                                    FAIL(fmt::format("{} {} {} {} channel {}: {:a}, expected {:a}", info.name, name_of(mode),
+                                                     name_of(filter), name_of(mip), c, color[c], expected));
                             }
                     }
         }
@@ -121,16 +129,17 @@ TEST_CASE("filtered values are monotone in each weight", "[7.18.16]") {
                         up = up && got[w][channel] >= got[w - 1][channel];
                         down = down && got[w][channel] <= got[w - 1][channel];
                     }
-                    // Mixing along v after u, each row's value moves by its own rounding: only along v is strict monotony promised
-                    // by one lerp; along u both rows must move the same way.
+                    // Mixing along v after u, each row's value moves by its own rounding: only along v is strict monotony
+                    // promised by one lerp; along u both rows must move the same way.
                     const double t00 = code_value(info.format, codes[channel]);
                     const double t10 = code_value(info.format, codes[static_cast<std::size_t>(info.components) + channel]);
                     const double t01 = code_value(info.format, codes[static_cast<std::size_t>(2 * info.components) + channel]);
                     const double t11 = code_value(info.format, codes[static_cast<std::size_t>(3 * info.components) + channel]);
                     const bool same_way = !along_u || ((t10 >= t00) == (t11 >= t01));
                     if (same_way && !up && !down)
-                        FAIL(fmt::format("{} round {} {} channel {}: not monotone; texels {:a} {:a} {:a} {:a}, other weight {:a}", info.name, round,
-                                         along_u ? "u" : "v", c, t00, t10, t01, t11, other));
+                        FAIL(fmt::format(
+                            "{} round {} {} channel {}: not monotone; texels {:a} {:a} {:a} {:a}, other weight {:a}", info.name,
+                            round, along_u ? "u" : "v", c, t00, t10, t01, t11, other));
                 }
             }
         }
@@ -143,7 +152,8 @@ TEST_CASE("point sampling yields the texel's bits", "[7.18.16]") {
     for (std::uint32_t i = 0; i < 65536; ++i) codes[i] = i;
     std::vector<Coordinate> coordinates;
     for (int y = 0; y < 256; ++y)
-        for (int x = 0; x < 256; ++x) coordinates.push_back({(static_cast<float>(x) + 0.5f) / 256.0f, (static_cast<float>(y) + 0.5f) / 256.0f});
+        for (int x = 0; x < 256; ++x)
+            coordinates.push_back({(static_cast<float>(x) + 0.5f) / 256.0f, (static_cast<float>(y) + 0.5f) / 256.0f});
     const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest};
     for (const Format format : {Format::R16Float, Format::R16Unorm, Format::D16}) {
         const auto got = sample_all(texture_of(format, 256, 256, codes), sampler, Profile{}, coordinates);

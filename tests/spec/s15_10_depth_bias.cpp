@@ -83,10 +83,12 @@ TEST_CASE("slope-scaled bias and its clamp", "[depth][15.10]") {
 
 TEST_CASE("depth beyond the range after bias is clamped per pixel", "[depth][17.10]") {
     for (const Format format : {Format::D16, Format::D24, Format::D32Float}) {
-        for (const std::uint32_t code : biased(format, {0.999f, 0.999f, 0.999f}, {.slope_scaled_depth_bias = 0.0f, .depth_bias_clamp = 0.0f}))
+        for (const std::uint32_t code :
+             biased(format, {0.999f, 0.999f, 0.999f}, {.slope_scaled_depth_bias = 0.0f, .depth_bias_clamp = 0.0f}))
             REQUIRE(code == depth_code_of(format, 0.999f));
         const int many = format == Format::D16 ? 70000 : 200000000;
-        for (const std::uint32_t code : biased(format, {0.5f, 0.5f, 0.5f}, {.depth_bias = many})) REQUIRE(code == depth_code_of(format, 1.0f));
+        for (const std::uint32_t code : biased(format, {0.5f, 0.5f, 0.5f}, {.depth_bias = many}))
+            REQUIRE(code == depth_code_of(format, 1.0f));
         for (const std::uint32_t code : biased(format, {0.5f, 0.5f, 0.5f}, {.depth_bias = -many})) REQUIRE(code == 0u);
     }
 }

@@ -3,8 +3,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 
@@ -34,13 +34,15 @@ TEST_CASE("depth codes of every format are exact", "[depth][17.11][3.2.3.6]") {
             // Around the boundary between two codes: (n + 1/2) / last.
             const auto n = static_cast<std::uint32_t>(random.between(0, last - 1));
             float boundary = static_cast<float>((static_cast<double>(n) + 0.5) / last);
-            for (const float z : {boundary, std::nextafter(boundary, 0.0f), std::nextafter(boundary, 1.0f), random.unit()}) depths.push_back(z);
+            for (const float z : {boundary, std::nextafter(boundary, 0.0f), std::nextafter(boundary, 1.0f), random.unit()})
+                depths.push_back(z);
         }
         Device device(Profile{}, 1);
         const TextureId target = device.create_texture("depth", {.format = format, .width = 2, .height = 2});
         std::vector<TestVertex> vertices;
         for (const float z : depths)
-            for (const auto& [x, y] : {std::pair{-1.0f, 1.0f}, std::pair{3.0f, 1.0f}, std::pair{-1.0f, -3.0f}}) vertices.push_back({x, y, z, 1, 0, 0});
+            for (const auto& [x, y] : {std::pair{-1.0f, 1.0f}, std::pair{3.0f, 1.0f}, std::pair{-1.0f, -3.0f}})
+                vertices.push_back({x, y, z, 1, 0, 0});
         Draw draw = make_draw(depth_only_program(), upload(device, vertices), 0, 3);
         draw.depth = target;
         draw.depth_state.compare = CompareOp::Always;
@@ -49,7 +51,8 @@ TEST_CASE("depth codes of every format are exact", "[depth][17.11][3.2.3.6]") {
             device.execute(draw);
             for (const std::uint32_t code : codes_of(device.texture(target)))
                 if (code != depth_code_of(format, depths[k]))
-                    FAIL(fmt::format("{} z {:a}: code {:#x}, expected {:#x}", name_of(format), depths[k], code, depth_code_of(format, depths[k])));
+                    FAIL(fmt::format("{} z {:a}: code {:#x}, expected {:#x}", name_of(format), depths[k], code,
+                                     depth_code_of(format, depths[k])));
             // A clear to the same depth stores the same code.
             device.execute(ClearDepth{target, depths[k]});
             CHECK(codes_of(device.texture(target))[0] == depth_code_of(format, depths[k]));

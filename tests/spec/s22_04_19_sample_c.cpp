@@ -3,8 +3,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/texunit_calls.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -58,16 +58,19 @@ TEST_CASE("the reference meets the texel as a code of the format", "[22.4.19]") 
             std::vector<Coordinate> coordinates;
             for (const double half : {-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5}) {
                 const auto z = static_cast<float>((stored + half) / last);
-                for (const float reference : {z, std::nextafter(z, 2.0f), std::nextafter(z, -2.0f)}) coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
+                for (const float reference : {z, std::nextafter(z, 2.0f), std::nextafter(z, -2.0f)})
+                    coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
             }
-            for (const float reference : {-1.0f, 2.0f, std::nanf(""), HUGE_VALF, -HUGE_VALF}) coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
+            for (const float reference : {-1.0f, 2.0f, std::nanf(""), HUGE_VALF, -HUGE_VALF})
+                coordinates.push_back({0.5f, 0.5f, 0.0f, reference});
             for (const CompareOp op : kOps) {
                 const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = op};
                 const auto got = compare_all(texture, sampler, Profile{}, coordinates);
                 for (std::size_t i = 0; i < got.size(); ++i) {
                     const float expected = passes(op, oracle::unorm_code(coordinates[i].reference, bits), stored) ? 1.0f : 0.0f;
                     if (got[i] != expected)
-                        FAIL(fmt::format("{} code {:#x} {} reference {:a}: {}, expected {}", name_of(format), stored, name_of(op), coordinates[i].reference, got[i], expected));
+                        FAIL(fmt::format("{} code {:#x} {} reference {:a}: {}, expected {}", name_of(format), stored,
+                                         name_of(op), coordinates[i].reference, got[i], expected));
                 }
             }
         }
@@ -81,16 +84,19 @@ TEST_CASE("float depth compares as it is, after the clamp", "[22.4.19]") {
         const std::vector<std::uint32_t> codes{std::bit_cast<std::uint32_t>(stored)};
         const Texture texture = texture_of(Format::D32Float, 1, 1, codes);
         std::vector<Coordinate> coordinates;
-        for (const float r : {stored, std::nextafter(stored, 2.0f), std::nextafter(stored, -2.0f), -0.5f, 1.5f, random.unit(), HUGE_VALF})
+        for (const float r :
+             {stored, std::nextafter(stored, 2.0f), std::nextafter(stored, -2.0f), -0.5f, 1.5f, random.unit(), HUGE_VALF})
             coordinates.push_back({0.5f, 0.5f, 0.0f, r});
         for (const CompareOp op : kOps) {
-            const auto got = compare_all(texture, {.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = op}, Profile{}, coordinates);
+            const auto got = compare_all(texture, {.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .compare = op},
+                                         Profile{}, coordinates);
             for (std::size_t i = 0; i < got.size(); ++i) {
                 float reference = coordinates[i].reference;
                 reference = reference < 0x1p-126f ? 0.0f : reference > 1.0f ? 1.0f : reference;  // denormals are 0 here
                 const float expected = passes(op, reference, stored) ? 1.0f : 0.0f;
                 if (got[i] != expected)
-                    FAIL(fmt::format("stored {:a} {} reference {:a}: {}, expected {}", stored, name_of(op), coordinates[i].reference, got[i], expected));
+                    FAIL(fmt::format("stored {:a} {} reference {:a}: {}, expected {}", stored, name_of(op),
+                                     coordinates[i].reference, got[i], expected));
             }
         }
     }
@@ -107,25 +113,30 @@ TEST_CASE("comparison results are filtered like any texel", "[22.4.19]") {
             const Texture texture = texture_of(format, width, height, codes);
             const CompareOp op = kOps[static_cast<std::size_t>(random.integer(0, 7))];
             const std::array modes{AddressMode::Wrap, AddressMode::Mirror, AddressMode::Clamp, AddressMode::Border};
-            const Sampler sampler{.address_u = modes[static_cast<std::size_t>(random.integer(0, 3))], .address_v = modes[static_cast<std::size_t>(random.integer(0, 3))],
-                                  .compare = op, .border = glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
+            const Sampler sampler{.address_u = modes[static_cast<std::size_t>(random.integer(0, 3))],
+                                  .address_v = modes[static_cast<std::size_t>(random.integer(0, 3))],
+                                  .compare = op,
+                                  .border = glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
             std::vector<Coordinate> coordinates;
-            for (int i = 0; i < 200; ++i) coordinates.push_back({random.in(-1.5f, 2.5f), random.in(-1.5f, 2.5f), 0.0f, random.unit()});
+            for (int i = 0; i < 200; ++i)
+                coordinates.push_back({random.in(-1.5f, 2.5f), random.in(-1.5f, 2.5f), 0.0f, random.unit()});
             const auto got = compare_all(texture, sampler, Profile{}, coordinates);
             for (std::size_t i = 0; i < got.size(); ++i) {
                 const int bits = unorm_bits(format);
-                const double reference = bits == 0 ? static_cast<double>(coordinates[i].reference) : oracle::unorm_code(coordinates[i].reference, bits);
+                const double reference = bits == 0 ? static_cast<double>(coordinates[i].reference)
+                                                   : oracle::unorm_code(coordinates[i].reference, bits);
                 oracle::Image image{width, height, {}, 0};
                 for (const std::uint32_t code : codes)
-                    image.texels.push_back(passes(op, reference, bits == 0 ? static_cast<double>(std::bit_cast<float>(code)) : code));
+                    image.texels.push_back(
+                        passes(op, reference, bits == 0 ? static_cast<double>(std::bit_cast<float>(code)) : code));
                 image.border = passes(op, reference, bits == 0 ? 1.0 : static_cast<double>((1u << bits) - 1u));
                 const auto u = oracle::linear_axis(coordinates[i].u, width, oracle_mode(sampler.address_u));
                 const auto v = oracle::linear_axis(coordinates[i].v, height, oracle_mode(sampler.address_v));
                 // Texels are 0 and 1, weights have 16 bits: exact.
                 const double exact = oracle::bilinear(image.taps(u, v), u.weight, v.weight);
                 if (static_cast<double>(got[i]) != exact)
-                    FAIL(fmt::format("{} round {} {} uv ({:a}, {:a}) reference {:a}: {:a}, exact {:a}", name_of(format), round, name_of(op), coordinates[i].u,
-                                     coordinates[i].v, coordinates[i].reference, got[i], exact));
+                    FAIL(fmt::format("{} round {} {} uv ({:a}, {:a}) reference {:a}: {:a}, exact {:a}", name_of(format), round,
+                                     name_of(op), coordinates[i].u, coordinates[i].v, coordinates[i].reference, got[i], exact));
             }
         }
     }
@@ -150,8 +161,11 @@ TEST_CASE("the border takes part in comparisons at the format's precision", "[22
     for (const Format format : {Format::D16, Format::D24, Format::D32Float}) {
         const std::vector<std::uint32_t> codes{0};
         const Texture texture = texture_of(format, 1, 1, codes);
-        const Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .address_u = AddressMode::Border,
-                              .compare = CompareOp::LessEqual, .border = glm::vec4(0.5f)};
+        const Sampler sampler{.min = TexelFilter::Nearest,
+                              .mag = TexelFilter::Nearest,
+                              .address_u = AddressMode::Border,
+                              .compare = CompareOp::LessEqual,
+                              .border = glm::vec4(0.5f)};
         INFO(name_of(format));
         CHECK(compare_all(texture, sampler, Profile{}, std::vector<Coordinate>{{2.0f, 0.5f, 0.0f, 0.5f}})[0] == 1.0f);
     }

@@ -4,8 +4,8 @@
 #include "techniques/gaussian.h"
 #include "tests/oracle/texture.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 #include <cstring>
@@ -21,7 +21,8 @@ struct Picture {
     bool operator==(const Picture&) const = default;
 };
 
-Picture render(std::string_view technique, const TechniqueRequest& request, std::string_view scene_name, int threads, const std::string& profile = "d3d11") {
+Picture render(std::string_view technique, const TechniqueRequest& request, std::string_view scene_name, int threads,
+               const std::string& profile = "d3d11") {
     scenes::Scene scene;
     for (const auto& s : scenes::procedural_scenes())
         if (s.name == scene_name) scene = s.make();
@@ -31,8 +32,8 @@ Picture render(std::string_view technique, const TechniqueRequest& request, std:
     Frame frame(device, scene, {.width = 320, .height = 240, .technique = t, .settings = resolve_settings(t, request)});
     PassTimer timer(device);
     frame.render(timer);
-    return {device.texture(frame.color()).level_bytes(0), device.texture(frame.visibility()).level_bytes(0), device.texture(frame.depth()).level_bytes(0),
-            device.texture(frame.map()).level_bytes(0)};
+    return {device.texture(frame.color()).level_bytes(0), device.texture(frame.visibility()).level_bytes(0),
+            device.texture(frame.depth()).level_bytes(0), device.texture(frame.map()).level_bytes(0)};
 }
 
 /// Shares of visibilities 0, 1 and between.
@@ -81,7 +82,9 @@ TEST_CASE("rendering twice gives the same bytes", "[techniques][order]") {
     scenes::Scene scene = scenes::procedural_scenes()[0].make();
     for (const Technique& technique : all_techniques()) {
         Device device(Profile{}, 2);
-        Frame frame(device, scene, {.width = 64, .height = 48, .technique = technique, .settings = resolve_settings(technique, {.map_size = 64})});
+        Frame frame(
+            device, scene,
+            {.width = 64, .height = 48, .technique = technique, .settings = resolve_settings(technique, {.map_size = 64})});
         PassTimer timer(device);
         frame.render(timer);
         const auto first = device.texture(frame.color()).level_bytes(0);
@@ -137,14 +140,16 @@ TEST_CASE("Gaussian weights sum to one, are symmetric and fall", "[techniques][g
             if (i > 0 && i <= taps / 2) CHECK(w > weights[static_cast<std::size_t>(i - 1)]);
             // Ratios to the middle are exp(-x^2 / 2 sigma^2).
             const double x = (i - taps / 2) / sigma;
-            CHECK(std::fabs(static_cast<double>(w) / static_cast<double>(weights[static_cast<std::size_t>(taps / 2)]) - std::exp(-0.5 * x * x)) < 1e-6);
+            CHECK(std::fabs(static_cast<double>(w) / static_cast<double>(weights[static_cast<std::size_t>(taps / 2)]) -
+                            std::exp(-0.5 * x * x)) < 1e-6);
         }
     }
 }
 
 TEST_CASE("the blur of a constant is that constant within the format", "[techniques][gaussian]") {
     // Weights sum to 1 within taps * 2^-25; each of `taps` products and sums rounds once in fp32; each pass stores once.
-    for (const auto& [format, storage] : {std::pair{Format::Rg32Float, 0x1p-24}, std::pair{Format::Rg16Float, 0x1p-10}, std::pair{Format::Rg16Unorm, 0.5 / 65535}})
+    for (const auto& [format, storage] : {std::pair{Format::Rg32Float, 0x1p-24}, std::pair{Format::Rg16Float, 0x1p-10},
+                                          std::pair{Format::Rg16Unorm, 0.5 / 65535}})
         for (const int taps : {1, 3, 9, 31}) {
             Device device(Profile{}, 2);
             const TextureDesc desc{.format = format, .width = 37, .height = 21};
@@ -168,7 +173,9 @@ TEST_CASE("the blur of a constant is that constant within the format", "[techniq
             for (std::size_t i = 0; i < count; ++i) {
                 const double error = std::fabs(value(after, i) - value(before, i));
                 const double bound = 2 * (storage + 3 * taps * 0x1p-24) * (info.type == ComponentType::Unorm16 ? 1.0 : 0.3);
-                if (!(error <= bound)) FAIL(fmt::format("{} taps {} texel {} channel {}: {:a} from {:a}", name_of(format), taps, i / 2, i % 2, value(after, i), value(before, i)));
+                if (!(error <= bound))
+                    FAIL(fmt::format("{} taps {} texel {} channel {}: {:a} from {:a}", name_of(format), taps, i / 2, i % 2,
+                                     value(after, i), value(before, i)));
             }
         }
 }
@@ -191,9 +198,11 @@ TEST_CASE("the blur of one texel is the outer product of the weights", "[techniq
                 const int i = x - 16 + taps / 2;
                 const int j = y - 14 + taps / 2;
                 const bool inside = i >= 0 && j >= 0 && i < taps && j < taps;
-                const float expected = inside ? weights[static_cast<std::size_t>(i)] * weights[static_cast<std::size_t>(j)] : 0.0f;
+                const float expected =
+                    inside ? weights[static_cast<std::size_t>(i)] * weights[static_cast<std::size_t>(j)] : 0.0f;
                 if (values[static_cast<std::size_t>(y * 33 + x)] != expected)
-                    FAIL(fmt::format("taps {} pixel ({}, {}): {:a}, expected {:a}", taps, x, y, values[static_cast<std::size_t>(y * 33 + x)], expected));
+                    FAIL(fmt::format("taps {} pixel ({}, {}): {:a}, expected {:a}", taps, x, y,
+                                     values[static_cast<std::size_t>(y * 33 + x)], expected));
             }
     }
 }

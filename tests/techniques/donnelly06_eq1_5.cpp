@@ -8,8 +8,8 @@
 #include "tests/oracle/random.h"
 #include "tests/unit/texunit_calls.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <glm/matrix.hpp>
 
 #include <cmath>
@@ -40,7 +40,8 @@ Interval bound_interval(double m1, double m2, double t, double e1, double e2, do
     const double e_sigma2 = e2 + (2 * std::fabs(m1) + e1) * e1 + 2 * unit * m1 * m1 + unit * std::fabs(sigma2);
     const double d = t - m1;
     const double e_d = e1 + unit * std::fabs(d);
-    return {chebyshev(sigma2 - e_sigma2, d + e_d) * (1 - 4 * unit) - 4 * unit, chebyshev(sigma2 + e_sigma2, d - e_d) * (1 + 4 * unit) + 4 * unit};
+    return {chebyshev(sigma2 - e_sigma2, d + e_d) * (1 - 4 * unit) - 4 * unit,
+            chebyshev(sigma2 + e_sigma2, d - e_d) * (1 + 4 * unit) + 4 * unit};
 }
 
 float evaluate(float m1, float m2, float t, float min_variance) {
@@ -68,17 +69,18 @@ TEST_CASE("[Donnelly06] eqs. 3 and 4: mean and variance", "[donnelly06]") {
         CHECK(lane(mean(m), 0) == m1);
         REQUIRE(lane(variance(m), 0) == m2 - m1 * m1);
         const double exact = static_cast<double>(m2) - static_cast<double>(m1) * static_cast<double>(m1);
-        REQUIRE(std::fabs(static_cast<double>(m2 - m1 * m1) - exact) <= kUnit * (static_cast<double>(m1 * m1) + std::fabs(exact)) * 1.001);
+        REQUIRE(std::fabs(static_cast<double>(m2 - m1 * m1) - exact) <=
+                kUnit * (static_cast<double>(m1 * m1) + std::fabs(exact)) * 1.001);
     }
 }
 
 TEST_CASE("[Donnelly06] eq. 5: the one-tailed bound", "[donnelly06]") {
-    CHECK(evaluate(0.5f, 0.3125f, 0.75f, 0.0f) == 0.5f);    // sigma^2 = 1/16, t - mu = 1/4
-    CHECK(evaluate(0.5f, 0.3125f, 0.5f, 0.0f) == 1.0f);     // t = mu: lit
-    CHECK(evaluate(0.5f, 0.3125f, 0.25f, 0.0f) == 1.0f);    // t < mu: lit
-    CHECK(evaluate(0.5f, 0.25f, 0.75f, 0.0f) == 0.0f);      // no variance: a step
-    CHECK(evaluate(0.5f, 0.25f, 0.75f, 0.0625f) == 0.5f);   // ... unless there is a least one
-    CHECK(evaluate(0.5f, 0.2f, 0.75f, 0.0f) == 0.0f);       // negative variance counts as none
+    CHECK(evaluate(0.5f, 0.3125f, 0.75f, 0.0f) == 0.5f);   // sigma^2 = 1/16, t - mu = 1/4
+    CHECK(evaluate(0.5f, 0.3125f, 0.5f, 0.0f) == 1.0f);    // t = mu: lit
+    CHECK(evaluate(0.5f, 0.3125f, 0.25f, 0.0f) == 1.0f);   // t < mu: lit
+    CHECK(evaluate(0.5f, 0.25f, 0.75f, 0.0f) == 0.0f);     // no variance: a step
+    CHECK(evaluate(0.5f, 0.25f, 0.75f, 0.0625f) == 0.5f);  // ... unless there is a least one
+    CHECK(evaluate(0.5f, 0.2f, 0.75f, 0.0f) == 0.0f);      // negative variance counts as none
     CHECK(evaluate(0.0f, 0.0f, 0.0f, 0.0f) == 1.0f);
     // Falls with t, never leaves [0, 1], and bounds the share of any two-point distribution at or beyond t.
     oracle::Random random(2);
@@ -90,12 +92,15 @@ TEST_CASE("[Donnelly06] eq. 5: the one-tailed bound", "[donnelly06]") {
         const double m2 = share * a * a + (1 - share) * b * b;
         const double t = static_cast<double>(random.unit());
         const double later = std::min(1.0, t + 0.1);
-        const auto at = [&](double depth) { return lane(chebyshev_upper_bound(Moments<Double>{Double(m1), Double(m2)}, Double(depth), Double(0.0)), 0); };
+        const auto at = [&](double depth) {
+            return lane(chebyshev_upper_bound(Moments<Double>{Double(m1), Double(m2)}, Double(depth), Double(0.0)), 0);
+        };
         const double p = at(t);
         REQUIRE((p >= 0 && p <= 1));
         REQUIRE(at(later) <= p + 1e-12);
         const double beyond = (a >= t ? share : 0) + (b >= t ? 1 - share : 0);
-        if (p < beyond - 1e-9 - 1e-13 / ((t - m1) * (t - m1) + 1e-9)) FAIL(fmt::format("case {}: P(x >= {:a}) = {:a}, bound {:a}", i, t, beyond, p));
+        if (p < beyond - 1e-9 - 1e-13 / ((t - m1) * (t - m1) + 1e-9))
+            FAIL(fmt::format("case {}: P(x >= {:a}) = {:a}, bound {:a}", i, t, beyond, p));
     }
 }
 
@@ -105,8 +110,8 @@ struct Planes {
     float d1, d2;  // occluder, receiver
 };
 
-constexpr std::array kPlanes{Planes{0.25f, 0.75f},     Planes{0.1f, 0.9f},   Planes{0.5f, 0.625f}, Planes{0.015625f, 0.984375f},
-                             Planes{0.3f, 0.31f},      Planes{0.0f, 1.0f},   Planes{0.7f, 0.73f}};
+constexpr std::array kPlanes{Planes{0.25f, 0.75f}, Planes{0.1f, 0.9f}, Planes{0.5f, 0.625f}, Planes{0.015625f, 0.984375f},
+                             Planes{0.3f, 0.31f},  Planes{0.0f, 1.0f}, Planes{0.7f, 0.73f}};
 
 /// Moments of both planes as the format stores them, a 2x2 texture of three occluded texels and one lit one, or of two columns.
 Texture edge_texture(Format format, const Planes& planes, bool half_plane, Narrowing narrowing) {
@@ -132,15 +137,18 @@ Texture edge_texture(Format format, const Planes& planes, bool half_plane, Narro
 std::vector<Coordinate> all_weights() {
     std::vector<Coordinate> coordinates;
     for (int v = 0; v < 256; ++v)
-        for (int u = 0; u < 256; ++u) coordinates.push_back({0.25f + static_cast<float>(u) / 512.0f, 0.25f + static_cast<float>(v) / 512.0f});
+        for (int u = 0; u < 256; ++u)
+            coordinates.push_back({0.25f + static_cast<float>(u) / 512.0f, 0.25f + static_cast<float>(v) / 512.0f});
     return coordinates;
 }
 
 /// Worst |p_max - p| over all weights; fails where the error is more than the storage and fp32 can explain.
-double check_closed_form(Format format, const Planes& planes, bool half_plane, double storage_error, double relative_storage_error) {
+double check_closed_form(Format format, const Planes& planes, bool half_plane, double storage_error,
+                         double relative_storage_error) {
     const auto coordinates = all_weights();
     const Profile profile;
-    const auto moments = sample_all(edge_texture(format, planes, half_plane, profile.float_narrowing), Sampler{}, profile, coordinates);
+    const auto moments =
+        sample_all(edge_texture(format, planes, half_plane, profile.float_narrowing), Sampler{}, profile, coordinates);
     const double d1 = static_cast<double>(planes.d1);
     const double d2 = static_cast<double>(planes.d2);
     double worst = 0;
@@ -157,8 +165,9 @@ double check_closed_form(Format format, const Planes& planes, bool half_plane, d
             const double m2 = p * d2 * d2 + (1 - p) * d1 * d1;
             const Interval allowed = bound_interval(m1, m2, d2, e1, e2, kUnit);
             if (!(p_max >= allowed.low && p_max <= allowed.high))
-                FAIL(fmt::format("{} d1 {:a} d2 {:a} weights {} {}: p_max {:a}, p {:a}, allowed [{:a}, {:a}]; moments {:a} {:a}", name_of(format), d1, d2, u, v,
-                                 p_max, p, allowed.low, allowed.high, m[0], m[1]));
+                FAIL(
+                    fmt::format("{} d1 {:a} d2 {:a} weights {} {}: p_max {:a}, p {:a}, allowed [{:a}, {:a}]; moments {:a} {:a}",
+                                name_of(format), d1, d2, u, v, p_max, p, allowed.low, allowed.high, m[0], m[1]));
             worst = std::max(worst, std::fabs(p_max - p));
         }
     return worst;
@@ -195,20 +204,25 @@ TEST_CASE("[Donnelly06] 3.1: sixteen-bit maps err by what their storage loses", 
 
 TEST_CASE("[Donnelly06] 3.1: exact to 1e-12 under the ideal profile", "[donnelly06][3.1]") {
     // Depths of 12 bits, so that fp32 stores their squares exactly.
-    for (const Planes& planes : {Planes{0.25f, 0.75f}, Planes{0.015625f, 0.984375f}, Planes{1229.0f / 4096, 3001.0f / 4096}, Planes{0.5f, 0.625f}})
+    for (const Planes& planes :
+         {Planes{0.25f, 0.75f}, Planes{0.015625f, 0.984375f}, Planes{1229.0f / 4096, 3001.0f / 4096}, Planes{0.5f, 0.625f}})
         for (const bool half_plane : {true, false}) {
             const Profile ideal = load_profile("ideal");
             oracle::Random random(3);
             std::vector<Coordinate> coordinates = all_weights();
             for (auto& c : coordinates) c = {random.in(0.25f, 0.75f), random.in(0.25f, 0.75f)};
-            const auto moments = sample_all<Double>(edge_texture(Format::Rg32Float, planes, half_plane, ideal.float_narrowing), Sampler{}, ideal, coordinates);
+            const auto moments = sample_all<Double>(edge_texture(Format::Rg32Float, planes, half_plane, ideal.float_narrowing),
+                                                    Sampler{}, ideal, coordinates);
             for (std::size_t i = 0; i < coordinates.size(); ++i) {
                 const double u = static_cast<double>(coordinates[i].u) * 2 - 0.5;
                 const double v = static_cast<double>(coordinates[i].v) * 2 - 0.5;
                 const double p = half_plane ? u : u * v;
-                const double p_max = lane(chebyshev_upper_bound(Moments<Double>{Double(moments[i][0]), Double(moments[i][1])}, Double(planes.d2), Double(0.0)), 0);
+                const double p_max = lane(chebyshev_upper_bound(Moments<Double>{Double(moments[i][0]), Double(moments[i][1])},
+                                                                Double(planes.d2), Double(0.0)),
+                                          0);
                 if (p < 1 - 0x1p-10 && !(std::fabs(p_max - p) <= 1e-12))
-                    FAIL(fmt::format("d1 {:a} d2 {:a} uv ({:a}, {:a}): p_max {:a}, p {:a}", planes.d1, planes.d2, coordinates[i].u, coordinates[i].v, p_max, p));
+                    FAIL(fmt::format("d1 {:a} d2 {:a} uv ({:a}, {:a}): p_max {:a}, p {:a}", planes.d1, planes.d2,
+                                     coordinates[i].u, coordinates[i].v, p_max, p));
             }
         }
 }
@@ -228,12 +242,14 @@ TEST_CASE("[Donnelly06] 3.1: the rendered penumbra of `planes` is the bilinear c
     constexpr int kWidth = 320;
     constexpr int kHeight = 240;
     constexpr int kMap = 128;
-    for (const auto& [profile, format] : {std::pair{"d3d11", Format::Rg32Float}, std::pair{"d3d11", Format::Rg16Unorm}, std::pair{"ideal", Format::Rg32Float}}) {
+    for (const auto& [profile, format] : {std::pair{"d3d11", Format::Rg32Float}, std::pair{"d3d11", Format::Rg16Unorm},
+                                          std::pair{"ideal", Format::Rg32Float}}) {
         const scenes::Scene scene = scene_named("planes").make();
         Device device(load_profile(profile), 2);
         const Technique& vsm = find_technique("vsm");
         TechniqueRequest request{.map_size = kMap, .format = format, .filter = MapFilter::Bilinear, .min_variance = 0.0f};
-        Frame frame(device, scene, {.width = kWidth, .height = kHeight, .technique = vsm, .settings = resolve_settings(vsm, request)});
+        Frame frame(device, scene,
+                    {.width = kWidth, .height = kHeight, .technique = vsm, .settings = resolve_settings(vsm, request)});
         PassTimer timer(device);
         frame.render(timer);
         const auto bytes = device.texture(frame.visibility()).level_bytes(0);
@@ -252,7 +268,8 @@ TEST_CASE("[Donnelly06] 3.1: the rendered penumbra of `planes` is the bilinear c
             return (dx * (p.z - edge_a.z) - dz * (p.x - edge_a.x)) / std::hypot(dx, dz);
         };
         const double sign = from_edge(glm::dvec3(occluder.vertices[0].position)) < 0 ? 1.0 : -1.0;
-        const glm::dmat4 camera_from_clip = glm::inverse(glm::dmat4(frame.camera().clip_from_view) * glm::dmat4(frame.camera().view_from_world));
+        const glm::dmat4 camera_from_clip =
+            glm::inverse(glm::dmat4(frame.camera().clip_from_view) * glm::dmat4(frame.camera().view_from_world));
         const glm::dmat4 light_clip = glm::dmat4(frame.light().clip_from_view) * glm::dmat4(frame.light().view_from_world);
         const glm::dmat4 light_from_clip = glm::inverse(light_clip);
         const auto on_height = [](const glm::dmat4& world_from_clip, double x, double y, double plane) {
@@ -302,16 +319,19 @@ TEST_CASE("[Donnelly06] 3.1: the rendered penumbra of `planes` is the bilinear c
                 // their attributes stay, so that everything moves by up to 1/512 pixel; matrices are fp32 under any profile;
                 // and sixteen bits lose a few steps of 65535 over contrast^2, which is nearly 1 here.
                 const bool ideal = profile == std::string("ideal");
-                const double tolerance = (ideal ? 0.0 : 2.0 / 512) + per_pixel / 512 + kMap * 0x1p-20 + 1e-5 + (format == Format::Rg16Unorm ? 1e-4 : 0);
+                const double tolerance = (ideal ? 0.0 : 2.0 / 512) + per_pixel / 512 + kMap * 0x1p-20 + 1e-5 +
+                                         (format == Format::Rg16Unorm ? 1e-4 : 0);
                 // Towards p = 1 the bound divides by (1 - p) contrast^2, which sixteen bits cannot resolve.
                 if (p > 0 && p < (format == Format::Rg16Unorm ? 1 - 1.0 / 64 : 1 - 1e-6)) {
                     ++penumbra;
                     worst = std::max(worst, std::fabs(static_cast<double>(seen) - p));
                     if (!(std::fabs(static_cast<double>(seen) - p) <= tolerance))
-                        FAIL(fmt::format("{} {} pixel ({}, {}): visibility {:a}, coverage {:a}, texel ({}, {})", profile, name_of(format), x, y, seen, p, s, t));
+                        FAIL(fmt::format("{} {} pixel ({}, {}): visibility {:a}, coverage {:a}, texel ({}, {})", profile,
+                                         name_of(format), x, y, seen, p, s, t));
                 } else if (p == 0) {
                     ++umbra;
-                    if (!(static_cast<double>(seen) <= tolerance)) FAIL(fmt::format("{} {} pixel ({}, {}): {:a} in the umbra", profile, name_of(format), x, y, seen));
+                    if (!(static_cast<double>(seen) <= tolerance))
+                        FAIL(fmt::format("{} {} pixel ({}, {}): {:a} in the umbra", profile, name_of(format), x, y, seen));
                 }
             }
         INFO(profile << " " << name_of(format) << ": " << penumbra << " pixels, worst " << worst);

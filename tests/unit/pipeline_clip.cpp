@@ -3,8 +3,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 #include <limits>
@@ -92,7 +92,7 @@ Picture draw_all(const std::vector<TestVertex>& vertices, const Profile& profile
 
 std::uint64_t drawn_pixels(const Picture& picture) {
     std::uint64_t count = 0;
-    for (const float id : picture.ids) count += id >= 0;
+    for (const float id : picture.ids) count += id != -1.0f;  // NaN counts: something was written
     return count;
 }
 
@@ -116,7 +116,8 @@ TEST_CASE("triangles through the near and far planes are cut where they should b
         std::array<TestVertex, 3> v;
         for (auto& vertex : v) {
             const float reach = mode == 4 ? 2000.0f : 8.0f;
-            vertex = seen(random.in(-reach, reach), random.in(-reach, reach), mode == 0 ? random.in(0.1f, 25.0f) : random.in(-6.0f, 24.0f), 0.0f);
+            vertex = seen(random.in(-reach, reach), random.in(-reach, reach),
+                          mode == 0 ? random.in(0.1f, 25.0f) : random.in(-6.0f, 24.0f), 0.0f);
             if (mode == 3 && random.chance(2)) {  // exactly on the near plane, the far plane, or in the plane of the eye
                 const int which = random.integer(0, 2);
                 if (which == 0) vertex.z = 0.0f;
@@ -139,8 +140,8 @@ TEST_CASE("triangles through the near and far planes are cut where they should b
                 inside += expected;
                 const bool drawn = picture.ids[static_cast<std::size_t>(y * kSize + x)] >= 0;
                 if (drawn != expected)
-                    FAIL(fmt::format("seed {} mode {} pixel ({}, {}): {}\n{}", seed, mode, x, y, drawn ? "drawn, but outside" : "missed",
-                                     describe(v)));
+                    FAIL(fmt::format("seed {} mode {} pixel ({}, {}): {}\n{}", seed, mode, x, y,
+                                     drawn ? "drawn, but outside" : "missed", describe(v)));
             }
     }
     CHECK(inside > 100000);
@@ -183,14 +184,16 @@ TEST_CASE("neighbours cut by the near plane or the guard band leave no crack", "
         for (int k = 0; k < rim; ++k) {
             const Picture alone = draw_all({vertices.begin() + 3 * k, vertices.begin() + 3 * k + 3});
             if (alone.counters.samples_covered != drawn_pixels(alone))
-                FAIL(fmt::format("seed {}: triangle {} covers a pixel twice\n{}", seed, k, describe(std::span(vertices).subspan(static_cast<std::size_t>(3 * k), 3))));
-            for (std::size_t i = 0; i < times.size(); ++i) times[i] += alone.ids[i] >= 0;
+                FAIL(fmt::format("seed {}: triangle {} covers a pixel twice\n{}", seed, k,
+                                 describe(std::span(vertices).subspan(static_cast<std::size_t>(3 * k), 3))));
+            for (std::size_t i = 0; i < times.size(); ++i) times[i] += alone.ids[i] != -1.0f;
         }
-        // The union's inside: inside some triangle, or close only to inner edges. Inner edges start at the hub, so a pixel is in
-        // the union when the whole cross of points around it lies in triangles.
+        // The union's inside: inside some triangle, or close only to inner edges. Inner edges start at the hub, so a pixel is
+        // in the union when the whole cross of points around it lies in triangles.
         std::vector<Homogeneous> exact;
         for (int k = 0; k < rim; ++k)
-            exact.emplace_back(std::array<TestVertex, 3>{vertices[static_cast<std::size_t>(3 * k)], vertices[static_cast<std::size_t>(3 * k + 1)],
+            exact.emplace_back(std::array<TestVertex, 3>{vertices[static_cast<std::size_t>(3 * k)],
+                                                         vertices[static_cast<std::size_t>(3 * k + 1)],
                                                          vertices[static_cast<std::size_t>(3 * k + 2)]});
         const auto in_union = [&](long double x, long double y) {
             for (const auto& e : exact)
@@ -231,7 +234,8 @@ TEST_CASE("positions that are no numbers drop the triangle", "[raster][15.4]") {
 }
 
 TEST_CASE("any bits as positions do not crash", "[raster][15.4]") {
-    const std::array<float, 14> special{0.0f, -0.0f, 1.0f, -1.0f, 1e30f, -1e30f, 3e38f, -3e38f, 1e-30f, 0x1p-149f, 0x1p-126f, 32766.0f, 32768.0f, 1e6f};
+    const std::array<float, 14> special{0.0f,   -0.0f,  1.0f,      -1.0f,     1e30f,    -1e30f,   3e38f,
+                                        -3e38f, 1e-30f, 0x1p-149f, 0x1p-126f, 32766.0f, 32768.0f, 1e6f};
     std::uint64_t drawn = 0;
     for (const std::string profile : {"d3d11", "ideal"}) {
         for (std::uint64_t seed = 0; seed < 20000; ++seed) {
@@ -255,8 +259,7 @@ TEST_CASE("any bits as positions do not crash", "[raster][15.4]") {
 }
 
 TEST_CASE("one triangle covers no pixel twice, however it is clipped", "[raster][15.4]") {
-    // The pieces of a clipped triangle must not overlap. Snapping their vertices can still turn a sliver of less than a step
-    // over: 9 pixels in a million here, most of them in slivers of sub-pixel height.
+    // The pieces of a clipped triangle must not overlap, also where snapping turns slivers over.
     std::uint64_t drawn = 0;
     std::uint64_t doubled = 0;
     std::string worst;
@@ -273,10 +276,11 @@ TEST_CASE("one triangle covers no pixel twice, however it is clipped", "[raster]
         clipped += picture.counters.primitives_clipped;
         doubled += picture.counters.samples_covered - drawn_pixels(picture);
         if (picture.counters.samples_covered != drawn_pixels(picture))
-            worst = fmt::format("seed {}: {} samples covered, {} pixels drawn\n{}", seed, picture.counters.samples_covered, drawn_pixels(picture), describe(v));
+            worst = fmt::format("seed {}: {} samples covered, {} pixels drawn\n{}", seed, picture.counters.samples_covered,
+                                drawn_pixels(picture), describe(v));
     }
     INFO(doubled << " of " << drawn << " pixels drawn twice, last in " << worst);
-    CHECK(doubled * 50000 <= drawn);
+    CHECK(doubled == 0);
     CHECK(drawn > 100000);
     CHECK(clipped > 1000);
 }
@@ -284,7 +288,8 @@ TEST_CASE("one triangle covers no pixel twice, however it is clipped", "[raster]
 TEST_CASE("far-away vertices in front of the camera still cover what they cover", "[raster][15.4]") {
     // w = 1 and z inside: only the guard band cuts. The triangle's visible part is a half-plane or everything.
     for (const float far : {1e5f, 1e8f, 1e20f, 1e30f, 1e37f}) {
-        const Picture all = draw_all({{-far, -far, 0.5f, 1, 1, 0}, {far * 2, -far, 0.5f, 1, 1, 0}, {-far, far * 2, 0.5f, 1, 1, 0}});
+        const Picture all =
+            draw_all({{-far, -far, 0.5f, 1, 1, 0}, {far * 2, -far, 0.5f, 1, 1, 0}, {-far, far * 2, 0.5f, 1, 1, 0}});
         INFO("far " << far << ": " << drawn_pixels(all) << " pixels");
         CHECK(drawn_pixels(all) == kSize * kSize);
         // Left half: the edge x = 0 runs between pixels 31 and 32.

@@ -73,8 +73,11 @@ TEST_CASE("counters of triangles that are culled", "[counters][15.11]") {
     CHECK(count(clockwise, id_program(), false, {.cull = CullMode::Front}).samples_covered == 6);
     CHECK(count(counter, id_program(), false, {.cull = CullMode::Back}).samples_covered == 6);
     CHECK(count(counter, id_program(), false, {.cull = CullMode::Front}).primitives_culled == 1);
-    CHECK(count(counter, id_program(), false, {.cull = CullMode::Front, .front_counter_clockwise = false}).samples_covered == 6);
-    CHECK(count(clockwise, id_program(), false, {.cull = CullMode::Front, .front_counter_clockwise = false}).primitives_culled == 1);
+    CHECK(count(counter, id_program(), false, {.cull = CullMode::Front, .front_counter_clockwise = false}).samples_covered ==
+          6);
+    CHECK(
+        count(clockwise, id_program(), false, {.cull = CullMode::Front, .front_counter_clockwise = false}).primitives_culled ==
+        1);
     // No area, outside, behind.
     CHECK(count({at(0, 0), at(4, 4), at(8, 8)}, id_program(), false).primitives_culled == 1);
     CHECK(count({at(-9, 0), at(-5, 0), at(-9, 4)}, id_program(), false).primitives_culled == 1);
@@ -88,15 +91,17 @@ TEST_CASE("counters of triangles that are culled", "[counters][15.11]") {
 }
 
 TEST_CASE("early depth kills quads and counts them", "[counters][depth]") {
-    // A triangle in front over everything, then one behind it on the upper half: per block, or per quad where the block is shared.
-    std::vector<TestVertex> v{at(0, 0, 0.25f), at(16, 0, 0.25f), at(0, 16, 0.25f), at(0, 0, 0.5f), at(4, 0, 0.5f), at(0, 4, 0.5f)};
+    // A triangle in front over everything, then one behind it on the upper half: per block, or per quad where the block is
+    // shared.
+    std::vector<TestVertex> v{at(0, 0, 0.25f), at(16, 0, 0.25f), at(0, 16, 0.25f),
+                              at(0, 0, 0.5f),  at(4, 0, 0.5f),   at(0, 4, 0.5f)};
     const Counters all = count(v, id_program(), true);
     CHECK(all.samples_passed == 64);
     CHECK(all.blocks_rejected == 1);
     CHECK(all.quads_early_killed == 0);
     // With Less and a hole in the front triangle (it covers x < 4 only) the block cannot be rejected, but its quads can.
-    v = {at(0, 0, 0.25f), at(4, 0, 0.25f), at(0, 8, 0.25f), at(4, 0, 0.25f), at(4, 8, 0.25f), at(0, 8, 0.25f),
-         at(0, 0, 0.5f), at(4, 0, 0.5f), at(0, 4, 0.5f)};
+    v = {at(0, 0, 0.25f), at(4, 0, 0.25f), at(0, 8, 0.25f), at(4, 0, 0.25f), at(4, 8, 0.25f),
+         at(0, 8, 0.25f), at(0, 0, 0.5f),  at(4, 0, 0.5f),  at(0, 4, 0.5f)};
     const Counters some = count(v, id_program(), true);
     CHECK(some.blocks_rejected == 0);
     CHECK(some.samples_covered == 32 + 6);

@@ -3,8 +3,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <map>
@@ -30,8 +30,8 @@ struct Case {
 std::string describe(const Case& c) {
     std::string text;
     for (std::size_t i = 0; i < 3; ++i)
-        text += fmt::format("  v{}: clip ({:a}, {:a}, {:a}, {:a}) -> snapped ({}, {})/256\n", i, c.vertices[i].x, c.vertices[i].y,
-                            c.vertices[i].z, c.vertices[i].w, c.points[i].x, c.points[i].y);
+        text += fmt::format("  v{}: clip ({:a}, {:a}, {:a}, {:a}) -> snapped ({}, {})/256\n", i, c.vertices[i].x,
+                            c.vertices[i].y, c.vertices[i].z, c.vertices[i].w, c.points[i].x, c.points[i].y);
     return text;
 }
 
@@ -51,10 +51,14 @@ std::array<Point, 3> random_points(Random& random, int kind, int width, int heig
             const Point p = anywhere(4096);
             const Point q = anywhere(4096);
             const std::int64_t t = random.between(-1024, 2048);
-            return {p, q, Point{p.x + (q.x - p.x) * t / 1024 + random.between(-2, 2), p.y + (q.y - p.y) * t / 1024 + random.between(-2, 2)}};
+            return {p, q,
+                    Point{p.x + (q.x - p.x) * t / 1024 + random.between(-2, 2),
+                          p.y + (q.y - p.y) * t / 1024 + random.between(-2, 2)}};
         }
         case 3: {  // huge, as far as the guard band lets
-            const auto far = [&] { return Point{random.between(-32760 * 256, 32760 * 256), random.between(-32760 * 256, 32760 * 256)}; };
+            const auto far = [&] {
+                return Point{random.between(-32760 * 256, 32760 * 256), random.between(-32760 * 256, 32760 * 256)};
+            };
             return {far(), random.chance(2) ? far() : anywhere(512), random.chance(3) ? far() : anywhere(64)};
         }
         case 4: {  // on pixel centres and corners: edges through sample points
@@ -107,7 +111,8 @@ Case make_case(Random& random, const std::array<Point, 3>& wanted, const Canvas&
 /// Draws every case alone and compares every pixel with the oracle. Returns the pixels covered in all.
 std::uint64_t check_cases(const Profile& profile, const Canvas& canvas, std::uint64_t seed, int count, int kind) {
     Device device(profile, 1);
-    const TextureId target = device.create_texture("ids", {.format = Format::R32Float, .width = canvas.width, .height = canvas.height});
+    const TextureId target =
+        device.create_texture("ids", {.format = Format::R32Float, .width = canvas.width, .height = canvas.height});
     device.execute(ClearColor{target, glm::vec4(-1.0f)});
     Random random(seed);
     std::vector<Case> cases;
@@ -136,8 +141,9 @@ std::uint64_t check_cases(const Profile& profile, const Canvas& canvas, std::uin
                 const bool drawn = row[x] == static_cast<float>(i);
                 covered += expected;
                 if (expected != drawn)
-                    FAIL(fmt::format("seed {} kind {} triangle {}, target {}x{}, pixel ({}, {}): {}\n{}", seed, kind, i, canvas.width,
-                                     canvas.height, x, y, expected ? "missed" : "covered, but is outside", describe(c)));
+                    FAIL(fmt::format("seed {} kind {} triangle {}, target {}x{}, pixel ({}, {}): {}\n{}", seed, kind, i,
+                                     canvas.width, canvas.height, x, y, expected ? "missed" : "covered, but is outside",
+                                     describe(c)));
             }
         }
     }
@@ -154,7 +160,8 @@ Profile with_bits(int bits) {
 
 TEST_CASE("coverage of random triangles is exact", "[raster][3.4.2]") {
     // 7 kinds x 6 targets x 10000 = 420000 triangles.
-    const std::array<Canvas, 6> canvases{Canvas{16, 16}, Canvas{32, 16}, Canvas{1, 1}, Canvas{3, 5}, Canvas{13, 7}, Canvas{8, 24}};
+    const std::array<Canvas, 6> canvases{Canvas{16, 16}, Canvas{32, 16}, Canvas{1, 1},
+                                         Canvas{3, 5},   Canvas{13, 7},  Canvas{8, 24}};
     for (int kind = 0; kind < 7; ++kind) {
         std::uint64_t covered = 0;
         for (std::size_t c = 0; c < canvases.size(); ++c)
@@ -174,8 +181,9 @@ TEST_CASE("coverage is exact at the borders of tiles and blocks", "[raster][3.4.
 }
 
 TEST_CASE("coverage is exact inside viewports that do not fill the target", "[raster][15.6][15.7]") {
-    const std::array<Canvas, 5> canvases{Canvas{20, 20, {3, 5, 9, 7}}, Canvas{20, 20, {19, 19, 1, 1}}, Canvas{33, 17, {1, 0, 32, 16}},
-                                         Canvas{80, 72, {60, 62, 9, 5}}, Canvas{40, 30, {7, 1, 16, 29}}};
+    const std::array<Canvas, 5> canvases{Canvas{20, 20, {3, 5, 9, 7}}, Canvas{20, 20, {19, 19, 1, 1}},
+                                         Canvas{33, 17, {1, 0, 32, 16}}, Canvas{80, 72, {60, 62, 9, 5}},
+                                         Canvas{40, 30, {7, 1, 16, 29}}};
     for (int kind = 0; kind < 6; ++kind) {
         std::uint64_t covered = 0;
         for (std::size_t c = 0; c < canvases.size(); ++c) covered += check_cases(Profile{}, canvases[c], 2000 + c, 2000, kind);
@@ -214,7 +222,9 @@ Tessellation tessellate(Random& random, int cells, int extent_px, std::int64_t q
             p.y = p.y / quantum * quantum;
             mesh.points.push_back(p);
         }
-    const auto area = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { return turn(mesh.points[a], mesh.points[b], mesh.points[c]); };
+    const auto area = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        return turn(mesh.points[a], mesh.points[b], mesh.points[c]);
+    };
     for (int j = 0; j < cells; ++j)
         for (int i = 0; i < cells; ++i) {
             const auto a = static_cast<std::uint32_t>(j * side + i);
@@ -257,8 +267,8 @@ TEST_CASE("a closed tessellation covers every pixel exactly once", "[raster][3.4
             for (const std::uint32_t corner : corners) {
                 const Point& p = mesh.points[corner];
                 const float half = static_cast<float>(size) * 0.5f;
-                vertices.push_back({(static_cast<float>(p.x) / 256.0f - half) / half, (half - static_cast<float>(p.y) / 256.0f) / half,
-                                    0.5f, 1.0f, static_cast<float>(t), 0.0f});
+                vertices.push_back({(static_cast<float>(p.x) / 256.0f - half) / half,
+                                    (half - static_cast<float>(p.y) / 256.0f) / half, 0.5f, 1.0f, static_cast<float>(t), 0.0f});
             }
         }
         Device device(Profile{}, 1);
@@ -287,8 +297,9 @@ TEST_CASE("a closed tessellation covers every pixel exactly once", "[raster][3.4
                 if (alone[i] == static_cast<float>(t)) {
                     ++times[i];
                     if (together[i] != static_cast<float>(t))
-                        FAIL(fmt::format("seed {} pixel ({}, {}): triangle {} alone, {} together", seed, i % static_cast<std::size_t>(size),
-                                         i / static_cast<std::size_t>(size), t, together[i]));
+                        FAIL(fmt::format("seed {} pixel ({}, {}): triangle {} alone, {} together", seed,
+                                         i % static_cast<std::size_t>(size), i / static_cast<std::size_t>(size), t,
+                                         together[i]));
                 }
         }
         for (std::size_t i = 0; i < times.size(); ++i)
@@ -317,7 +328,8 @@ TEST_CASE("a fan around a vertex covers every pixel exactly once", "[raster][3.4
             std::vector<std::int64_t> at{0};
             for (int k = 1; k < per_side; ++k) at.push_back(random.between(0, 8704));
             std::sort(at.begin(), at.end());
-            for (const std::int64_t t : at) rim.push_back({from.x + (to.x - from.x) * t / 8704, from.y + (to.y - from.y) * t / 8704});
+            for (const std::int64_t t : at)
+                rim.push_back({from.x + (to.x - from.x) * t / 8704, from.y + (to.y - from.y) * t / 8704});
         };
         side({low, low}, {high, low});
         side({high, low}, {high, high});

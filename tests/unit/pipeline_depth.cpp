@@ -3,8 +3,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ DepthTriangle random_triangle(Random& random, float id) {
         const float x = static_cast<float>(static_cast<double>(p.x) / 256.0 * 2.0 / kWidth - 1.0);
         const float y = static_cast<float>(static_cast<double>(p.y) / 256.0 * 2.0 / kHeight - 1.0);
         float z = random.unit();
-        if (kind == 4) z = static_cast<float>(random.integer(0, 8)) / 8.0f;  // equal depths
+        if (kind == 4) z = static_cast<float>(random.integer(0, 8)) / 8.0f;                         // equal depths
         if (kind == 5 && i > 0) z = t.z[0] + static_cast<float>(random.integer(-2, 2)) * 0x1p-24f;  // nearly flat
         t.z[i] = std::clamp(z, 0.0f, 1.0f);
         t.vertices[i] = {x, -y, t.z[i], 1.0f, id, 0.0f};
@@ -92,7 +92,7 @@ struct OracleTarget {
 
 TEST_CASE("depth test equals the per-pixel oracle for every comparison and format", "[depth][17.10][17.11]") {
     const std::array formats{Format::D16, Format::D24, Format::D32Float};
-    const std::array ops{CompareOp::Less,      CompareOp::LessEqual, CompareOp::Greater, CompareOp::GreaterEqual,
+    const std::array ops{CompareOp::Less,     CompareOp::LessEqual, CompareOp::Greater, CompareOp::GreaterEqual,
                          CompareOp::NotEqual, CompareOp::Equal,     CompareOp::Always,  CompareOp::Never};
     for (std::uint64_t seed = 0; seed < 48; ++seed) {
         Random random(seed);
@@ -133,9 +133,11 @@ TEST_CASE("depth test equals the per-pixel oracle for every comparison and forma
             const auto drawn_codes = codes_of(device.texture(depth));
             for (std::size_t i = 0; i < drawn_ids.size(); ++i)
                 if (drawn_ids[i] != expected.ids[i] || drawn_codes[i] != expected.codes[i])
-                    FAIL(fmt::format("seed {} draw {} format {} compare {} write {} pixel ({}, {}): id {} code {:#x}, expected id {} code {:#x}",
-                                     seed, d, name_of(format), name_of(draw.depth_state.compare), draw.depth_state.write, i % kWidth,
-                                     i / kWidth, drawn_ids[i], drawn_codes[i], expected.ids[i], expected.codes[i]));
+                    FAIL(
+                        fmt::format("seed {} draw {} format {} compare {} write {} pixel ({}, {}): id {} code {:#x}, expected "
+                                    "id {} code {:#x}",
+                                    seed, d, name_of(format), name_of(draw.depth_state.compare), draw.depth_state.write,
+                                    i % kWidth, i / kWidth, drawn_ids[i], drawn_codes[i], expected.ids[i], expected.codes[i]));
         }
     }
 }

@@ -74,7 +74,7 @@ TEST_CASE("draws with bad arguments throw and change nothing", "[errors]") {
     with([](Draw& d) { d.count = 6; });
     with([](Draw& d) { d.first = 1; });
     with([](Draw& d) { d.first = UINT_MAX; });
-    with([](Draw& d) { d.count = UINT_MAX; });  // a multiple of 3
+    with([](Draw& d) { d.count = UINT_MAX; });                   // a multiple of 3
     with([&](Draw& d) { d.indices = b.indices, d.first = 1; });  // index 3 is past the vertices
     with([&](Draw& d) { d.indices = b.indices, d.first = 2; });  // past the indices
     with([](Draw& d) { d.color[0] = TextureId::None; });
@@ -109,9 +109,10 @@ TEST_CASE("resources with bad arguments throw and change nothing", "[errors]") {
     Device device(Profile{}, 1);
     const TextureId color = device.create_texture("c", {.format = Format::Rgba8Unorm, .width = 4, .height = 4, .levels = 2});
     const TextureId depth = device.create_texture("d", {.format = Format::D24, .width = 4, .height = 4});
-    for (const TextureDesc& desc : {TextureDesc{Format::R8Unorm, 0, 4, 1}, TextureDesc{Format::R8Unorm, 4, 0, 1}, TextureDesc{Format::R8Unorm, -1, 4, 1},
-                                    TextureDesc{Format::R8Unorm, 16385, 4, 1}, TextureDesc{Format::R8Unorm, 4, 4, 0},
-                                    TextureDesc{Format::R8Unorm, 4, 4, 4}, TextureDesc{Format::Rgba32Float, 16384, 16384, 1}})
+    for (const TextureDesc& desc :
+         {TextureDesc{Format::R8Unorm, 0, 4, 1}, TextureDesc{Format::R8Unorm, 4, 0, 1}, TextureDesc{Format::R8Unorm, -1, 4, 1},
+          TextureDesc{Format::R8Unorm, 16385, 4, 1}, TextureDesc{Format::R8Unorm, 4, 4, 0},
+          TextureDesc{Format::R8Unorm, 4, 4, 4}, TextureDesc{Format::Rgba32Float, 16384, 16384, 1}})
         CHECK_THROWS_AS(device.create_texture("bad", desc), Error);
     CHECK_THROWS_AS(device.texture(static_cast<TextureId>(3)), Error);
     CHECK_THROWS_AS(device.texture(TextureId::None), Error);

@@ -5,8 +5,8 @@
 #include "tests/oracle/raster.h"
 #include "tests/oracle/texture.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 
@@ -19,7 +19,8 @@ void check_unorm(float x, int bits) {
     const auto lanes = static_cast<std::uint32_t>(lane(unorm_from_float(Float(x), bits), kLanes - 1));
     const auto doubles = static_cast<std::uint32_t>(lane(unorm_from_float(Double(x), bits), 0));
     if (scalar != expected || lanes != expected || doubles != expected)
-        FAIL(fmt::format("{:a} to {} bits: scalar {:#x}, lanes {:#x}, double {:#x}, expected {:#x}", x, bits, scalar, lanes, doubles, expected));
+        FAIL(fmt::format("{:a} to {} bits: scalar {:#x}, lanes {:#x}, double {:#x}, expected {:#x}", x, bits, scalar, lanes,
+                         doubles, expected));
 }
 
 /// code / (2^bits - 1) to nearest even, checked by cross-multiplication: no float nearer, ties even.
@@ -43,8 +44,10 @@ TEST_CASE("every code of 8, 16 and 24 bits round-trips through its nearest float
             for (std::size_t i = 0; i < kLanes; ++i) {
                 const auto code = static_cast<std::uint32_t>(ints[i]);
                 const float scalar = float_from_unorm(code, bits);
-                if (back[i] != ints[i] || scalar != floats[i] || unorm_from_float(scalar, bits) != code || !is_nearest(scalar, code, bits))
-                    FAIL(fmt::format("code {:#x} of {} bits: {:a} (lanes {:a}), back {:#x}", code, bits, scalar, floats[i], back[i]));
+                if (back[i] != ints[i] || scalar != floats[i] || unorm_from_float(scalar, bits) != code ||
+                    !is_nearest(scalar, code, bits))
+                    FAIL(fmt::format("code {:#x} of {} bits: {:a} (lanes {:a}), back {:#x}", code, bits, scalar, floats[i],
+                                     back[i]));
             }
         }
     }
@@ -73,7 +76,8 @@ TEST_CASE("boundaries of 24 bits and special values", "[fixed][3.2.3.6]") {
         check_unorm(random.in(-0.1f, 1.1f), random.integer(1, 24));
     }
     for (const int bits : {8, 16, 24})
-        for (const float x : {0.0f, -0.0f, 1.0f, -1.0f, HUGE_VALF, -HUGE_VALF, std::nanf(""), -std::nanf(""), 0x1p-149f, 0x1.fffffep-1f, 0x1.000002p+0f, 0.5f})
+        for (const float x : {0.0f, -0.0f, 1.0f, -1.0f, HUGE_VALF, -HUGE_VALF, std::nanf(""), -std::nanf(""), 0x1p-149f,
+                              0x1.fffffep-1f, 0x1.000002p+0f, 0.5f})
             check_unorm(x, bits);
 }
 
@@ -81,7 +85,8 @@ TEST_CASE("fixed point rounds to nearest even and saturates", "[fixed][3.2.4.1]"
     oracle::Random random(4);
     for (int i = 0; i < 200000; ++i) {
         const int bits = 8;
-        const float x = random.chance(2) ? static_cast<float>(random.integer(-100000, 100000)) / 512.0f : random.in(-16384.0f, 16384.0f);
+        const float x =
+            random.chance(2) ? static_cast<float>(random.integer(-100000, 100000)) / 512.0f : random.in(-16384.0f, 16384.0f);
         const std::int64_t expected = oracle::fixed8(x);
         if (fixed_from_float(static_cast<double>(x), bits) != expected)
             FAIL(fmt::format("{:a}: {}, expected {}", x, fixed_from_float(static_cast<double>(x), bits), expected));

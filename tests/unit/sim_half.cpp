@@ -1,12 +1,13 @@
-// Half conversions against the processor's own (F16C), or against an independent reference where it has none. D3D11.3 3.1.5, 3.2.2
+// Half conversions against the processor's own (F16C), or against an independent reference where it has none.
+// D3D11.3 3.1.5, 3.2.2
 #include "sim/denormals.h"
 #include "sim/half.h"
 #include "sim/parallel.h"
 #include "tests/oracle/random.h"
 #include "tests/oracle/texture.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <atomic>
 #include <bit>
@@ -71,7 +72,8 @@ struct Mismatch {
     void report(std::uint32_t bits, Narrowing narrowing, const char* what, std::uint32_t got, std::uint32_t expected) {
         const std::lock_guard lock(mutex);
         found = true;
-        text = fmt::format("{} {} of {:#010x} ({:a}): {:#06x}, expected {:#06x}", what, name_of_mode(narrowing), bits, std::bit_cast<float>(bits), got, expected);
+        text = fmt::format("{} {} of {:#010x} ({:a}): {:#06x}, expected {:#06x}", what, name_of_mode(narrowing), bits,
+                           std::bit_cast<float>(bits), got, expected);
     }
     static const char* name_of_mode(Narrowing n) { return n == Narrowing::TowardZero ? "toward zero" : "nearest even"; }
 };
@@ -89,7 +91,8 @@ void check_block(std::uint32_t first, std::uint32_t stride, std::uint32_t count,
                 const auto lanes = half_bits_from_float(Float::load(x.data() + l), narrowing).lanes();
                 for (std::uint32_t k = 0; k < kLanes; ++k)
                     if (static_cast<std::uint32_t>(lanes[k]) != expected[l + k]) [[unlikely]]
-                        mismatch.report(std::bit_cast<std::uint32_t>(x[l + k]), narrowing, "lanes", static_cast<std::uint32_t>(lanes[k]), expected[l + k]);
+                        mismatch.report(std::bit_cast<std::uint32_t>(x[l + k]), narrowing, "lanes",
+                                        static_cast<std::uint32_t>(lanes[k]), expected[l + k]);
             }
             for (std::uint32_t k = 0; k < 16; ++k) {
                 const Half half = half_from_float(x[k], narrowing);
@@ -117,11 +120,13 @@ TEST_CASE("every half becomes its float", "[half][3.1.5]") {
                 const std::uint32_t expected = nan ? (bits & 0x8000u) << 16 | 0x7fc00000u | (bits & 0x3ffu) << 13
                                                    : std::bit_cast<std::uint32_t>(static_cast<float>(value));
                 if (std::bit_cast<std::uint32_t>(scalar) != expected || std::bit_cast<std::uint32_t>(lanes[k]) != expected)
-                    FAIL(fmt::format("half {:#06x}: scalar {:#010x}, lanes {:#010x}, expected {:#010x}; flush {}", bits, std::bit_cast<std::uint32_t>(scalar),
-                                     std::bit_cast<std::uint32_t>(lanes[k]), expected, flush));
+                    FAIL(fmt::format("half {:#06x}: scalar {:#010x}, lanes {:#010x}, expected {:#010x}; flush {}", bits,
+                                     std::bit_cast<std::uint32_t>(scalar), std::bit_cast<std::uint32_t>(lanes[k]), expected,
+                                     flush));
 #if defined(__F16C__)
                 const float hardware = _mm_cvtss_f32(_mm_cvtph_ps(_mm_cvtsi32_si128(static_cast<int>(bits))));
-                if (std::bit_cast<std::uint32_t>(hardware) != expected) FAIL(fmt::format("half {:#06x}: F16C says {:a}", bits, hardware));
+                if (std::bit_cast<std::uint32_t>(hardware) != expected)
+                    FAIL(fmt::format("half {:#06x}: F16C says {:a}", bits, hardware));
 #endif
             }
         }
@@ -144,19 +149,19 @@ TEST_CASE("float to half: boundaries, listed as bits", "[half][3.2.2]") {
     };
     for (const Case& c : std::vector<Case>{{0x00000000, 0x0000, 0x0000},
                                            {0x80000000, 0x8000, 0x8000},
-                                           {0x33000000, 0x0000, 0x0000},    // 2^-25: the tie between 0 and 2^-24
+                                           {0x33000000, 0x0000, 0x0000},  // 2^-25: the tie between 0 and 2^-24
                                            {0x33000001, 0x0000, 0x0001},
-                                           {0x33c00000, 0x0001, 0x0002},    // 1.5 * 2^-24: a tie, up to even
-                                           {0x387fc000, 0x03ff, 0x03ff},    // largest denormal
-                                           {0x387fe000, 0x03ff, 0x0400},    // tie to the smallest normal
+                                           {0x33c00000, 0x0001, 0x0002},  // 1.5 * 2^-24: a tie, up to even
+                                           {0x387fc000, 0x03ff, 0x03ff},  // largest denormal
+                                           {0x387fe000, 0x03ff, 0x0400},  // tie to the smallest normal
                                            {0x38800000, 0x0400, 0x0400},
-                                           {0x477fe000, 0x7bff, 0x7bff},    // 65504
+                                           {0x477fe000, 0x7bff, 0x7bff},  // 65504
                                            {0x477fefff, 0x7bff, 0x7bff},
-                                           {0x477ff000, 0x7bff, 0x7c00},    // 65520: ties to infinity
+                                           {0x477ff000, 0x7bff, 0x7c00},  // 65520: ties to infinity
                                            {0x7f7fffff, 0x7bff, 0x7c00},
                                            {0x7f800000, 0x7c00, 0x7c00},
                                            {0xff800000, 0xfc00, 0xfc00},
-                                           {0x7f800001, 0x7e00, 0x7e00},    // signalling NaN becomes quiet
+                                           {0x7f800001, 0x7e00, 0x7e00},  // signalling NaN becomes quiet
                                            {0xffc02000, 0xfe01, 0xfe01},
                                            {0x00000001, 0x0000, 0x0000}}) {
         const auto x = std::bit_cast<float>(c.bits);
@@ -170,10 +175,10 @@ TEST_CASE("float to half: boundaries, listed as bits", "[half][3.2.2]") {
 
 TEST_CASE("a sample of all floats to half, both roundings", "[half][3.2.2]") {
     Mismatch mismatch;
-    check_block(0, 16381, 262144 + 32, mismatch);       // all exponents, odd stride
-    check_block(0x33000000u - 64, 1, 4096, mismatch);   // into the denormals
+    check_block(0, 16381, 262144 + 32, mismatch);      // all exponents, odd stride
+    check_block(0x33000000u - 64, 1, 4096, mismatch);  // into the denormals
     check_block(0x38800000u - 65536, 1, 131072, mismatch);
-    check_block(0x477f0000u, 1, 131072, mismatch);      // overflow
+    check_block(0x477f0000u, 1, 131072, mismatch);  // overflow
     check_block(0xff7fff00u, 1, 1024, mismatch);
     CHECK_FALSE(mismatch.found);
     if (mismatch.found) FAIL(mismatch.text);
@@ -184,7 +189,8 @@ TEST_CASE("a sample of all floats to half, both roundings", "[half][3.2.2]") {
         const float x = random.chance(2) ? random.any_float() : std::ldexp(random.in(-2.0f, 2.0f), random.integer(-26, 16));
         for (const Narrowing narrowing : {Narrowing::TowardZero, Narrowing::NearestEven})
             if (half_from_float(x, narrowing).bits != reference_half(x, narrowing))
-                FAIL(fmt::format("{:a}: {:#06x}, by definition {:#06x}", x, half_from_float(x, narrowing).bits, reference_half(x, narrowing)));
+                FAIL(fmt::format("{:a}: {:#06x}, by definition {:#06x}", x, half_from_float(x, narrowing).bits,
+                                 reference_half(x, narrowing)));
     }
 }
 

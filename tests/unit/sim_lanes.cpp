@@ -4,8 +4,8 @@
 #include "sim/lanes.h"
 #include "tests/oracle/random.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <bit>
 #include <cmath>
@@ -18,9 +18,36 @@ namespace {
 
 const std::vector<float>& interesting() {
     static const std::vector<float> values = [] {
-        std::vector<float> v{0.0f, -0.0f, 1.0f, -1.0f, 0.5f, -0.5f, 1.5f, 2.5f, -2.5f, 0x1p-126f, -0x1p-126f, 0x1p-149f, -0x1p-149f, 0x1.fffffcp-127f,
-                             0x1.fffffep127f, -0x1.fffffep127f, HUGE_VALF, -HUGE_VALF, std::nanf(""), -std::nanf(""), std::bit_cast<float>(0x7f800001u),
-                             2147483520.0f, 2147483648.0f, -2147483648.0f, 4294967296.0f, 0x1p24f, 16777217.0f, 8388607.5f, 0.49999997f, 1e-30f};
+        std::vector<float> v{0.0f,
+                             -0.0f,
+                             1.0f,
+                             -1.0f,
+                             0.5f,
+                             -0.5f,
+                             1.5f,
+                             2.5f,
+                             -2.5f,
+                             0x1p-126f,
+                             -0x1p-126f,
+                             0x1p-149f,
+                             -0x1p-149f,
+                             0x1.fffffcp-127f,
+                             0x1.fffffep127f,
+                             -0x1.fffffep127f,
+                             HUGE_VALF,
+                             -HUGE_VALF,
+                             std::nanf(""),
+                             -std::nanf(""),
+                             std::bit_cast<float>(0x7f800001u),
+                             2147483520.0f,
+                             2147483648.0f,
+                             -2147483648.0f,
+                             4294967296.0f,
+                             0x1p24f,
+                             16777217.0f,
+                             8388607.5f,
+                             0.49999997f,
+                             1e-30f};
         oracle::Random random(11);
         for (int i = 0; i < 98; ++i) v.push_back(random.any_float());
         return v;
@@ -29,7 +56,9 @@ const std::vector<float>& interesting() {
 }
 
 bool same(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b) || (a != a && b != b); }
-bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b); }
+bool same(double a, double b) {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b) || (a != a && b != b);
+}
 
 std::uint32_t raw(float x) { return std::bit_cast<std::uint32_t>(x); }
 std::uint64_t raw(double x) { return std::bit_cast<std::uint64_t>(x); }
@@ -54,7 +83,8 @@ void check_binary(const char* name, const LaneOp& op, const ScalarOp& expected) 
             } else {
                 const Scalar value = got.lanes()[k];
                 if (!same(value, expected(a[k], b[k])))
-                    FAIL(fmt::format("{} ({:#x}, {:#x}): {:#x}, expected {:#x}", name, raw(a[k]), raw(b[k]), raw(value), raw(expected(a[k], b[k]))));
+                    FAIL(fmt::format("{} ({:#x}, {:#x}): {:#x}, expected {:#x}", name, raw(a[k]), raw(b[k]), raw(value),
+                                     raw(expected(a[k], b[k]))));
             }
         }
     }
@@ -62,7 +92,8 @@ void check_binary(const char* name, const LaneOp& op, const ScalarOp& expected) 
 
 template <class Lanes, class LaneOp, class ScalarOp>
 void check_unary(const char* name, const LaneOp& op, const ScalarOp& expected) {
-    check_binary<Lanes>(name, [&](const Lanes& a, const Lanes&) { return op(a); }, [&](auto a, auto) { return expected(a); });
+    check_binary<Lanes>(
+        name, [&](const Lanes& a, const Lanes&) { return op(a); }, [&](auto a, auto) { return expected(a); });
 }
 
 /// The rules of min and max: a NaN operand gives the other; of two zeros, the second. D3D11.3 3.1.3.1
@@ -82,27 +113,48 @@ Scalar rule_max(Scalar a, Scalar b) {
 template <class Lanes>
 void check_real_operations() {
     using S = typename Lanes::Scalar;
-    check_binary<Lanes>("+", [](Lanes a, Lanes b) { return a + b; }, [](S a, S b) { return a + b; });
-    check_binary<Lanes>("-", [](Lanes a, Lanes b) { return a - b; }, [](S a, S b) { return a - b; });
-    check_binary<Lanes>("*", [](Lanes a, Lanes b) { return a * b; }, [](S a, S b) { return a * b; });
-    check_binary<Lanes>("/", [](Lanes a, Lanes b) { return a / b; }, [](S a, S b) { return a / b; });
-    check_binary<Lanes>("+=", [](Lanes a, Lanes b) { return a += b; }, [](S a, S b) { return a + b; });
-    check_binary<Lanes>("-=", [](Lanes a, Lanes b) { return a -= b; }, [](S a, S b) { return a - b; });
-    check_binary<Lanes>("*=", [](Lanes a, Lanes b) { return a *= b; }, [](S a, S b) { return a * b; });
-    check_unary<Lanes>("negate", [](Lanes a) { return -a; }, [](S a) { return -a; });
-    check_binary<Lanes>("<", [](Lanes a, Lanes b) { return a < b; }, [](S a, S b) { return a < b; });
-    check_binary<Lanes>(">", [](Lanes a, Lanes b) { return a > b; }, [](S a, S b) { return a > b; });
-    check_binary<Lanes>("<=", [](Lanes a, Lanes b) { return a <= b; }, [](S a, S b) { return a <= b; });
-    check_binary<Lanes>(">=", [](Lanes a, Lanes b) { return a >= b; }, [](S a, S b) { return a >= b; });
-    check_binary<Lanes>("==", [](Lanes a, Lanes b) { return a == b; }, [](S a, S b) { return a == b; });
-    check_binary<Lanes>("!=", [](Lanes a, Lanes b) { return a != b; }, [](S a, S b) { return a != b; });
-    check_binary<Lanes>("min", [](Lanes a, Lanes b) { return min(a, b); }, [](S a, S b) { return rule_min(a, b); });
-    check_binary<Lanes>("max", [](Lanes a, Lanes b) { return max(a, b); }, [](S a, S b) { return rule_max(a, b); });
-    check_unary<Lanes>("is_nan", [](Lanes a) { return is_nan(a); }, [](S a) { return a != a; });
-    check_unary<Lanes>("saturate", [](Lanes a) { return saturate(a); }, [](S a) { return a > S(0) ? (a < S(1) ? a : S(1)) : S(0); });
-    check_unary<Lanes>("abs", [](Lanes a) { return abs(a); }, [](S a) { return std::fabs(a); });
-    check_unary<Lanes>("sqrt", [](Lanes a) { return sqrt(a); }, [](S a) { return std::sqrt(a); });
-    check_unary<Lanes>("floor", [](Lanes a) { return floor(a); }, [](S a) { return std::floor(a); });
+    check_binary<Lanes>(
+        "+", [](Lanes a, Lanes b) { return a + b; }, [](S a, S b) { return a + b; });
+    check_binary<Lanes>(
+        "-", [](Lanes a, Lanes b) { return a - b; }, [](S a, S b) { return a - b; });
+    check_binary<Lanes>(
+        "*", [](Lanes a, Lanes b) { return a * b; }, [](S a, S b) { return a * b; });
+    check_binary<Lanes>(
+        "/", [](Lanes a, Lanes b) { return a / b; }, [](S a, S b) { return a / b; });
+    check_binary<Lanes>(
+        "+=", [](Lanes a, Lanes b) { return a += b; }, [](S a, S b) { return a + b; });
+    check_binary<Lanes>(
+        "-=", [](Lanes a, Lanes b) { return a -= b; }, [](S a, S b) { return a - b; });
+    check_binary<Lanes>(
+        "*=", [](Lanes a, Lanes b) { return a *= b; }, [](S a, S b) { return a * b; });
+    check_unary<Lanes>(
+        "negate", [](Lanes a) { return -a; }, [](S a) { return -a; });
+    check_binary<Lanes>(
+        "<", [](Lanes a, Lanes b) { return a < b; }, [](S a, S b) { return a < b; });
+    check_binary<Lanes>(
+        ">", [](Lanes a, Lanes b) { return a > b; }, [](S a, S b) { return a > b; });
+    check_binary<Lanes>(
+        "<=", [](Lanes a, Lanes b) { return a <= b; }, [](S a, S b) { return a <= b; });
+    check_binary<Lanes>(
+        ">=", [](Lanes a, Lanes b) { return a >= b; }, [](S a, S b) { return a >= b; });
+    check_binary<Lanes>(
+        "==", [](Lanes a, Lanes b) { return a == b; }, [](S a, S b) { return a == b; });
+    check_binary<Lanes>(
+        "!=", [](Lanes a, Lanes b) { return a != b; }, [](S a, S b) { return a != b; });
+    check_binary<Lanes>(
+        "min", [](Lanes a, Lanes b) { return min(a, b); }, [](S a, S b) { return rule_min(a, b); });
+    check_binary<Lanes>(
+        "max", [](Lanes a, Lanes b) { return max(a, b); }, [](S a, S b) { return rule_max(a, b); });
+    check_unary<Lanes>(
+        "is_nan", [](Lanes a) { return is_nan(a); }, [](S a) { return a != a; });
+    check_unary<Lanes>(
+        "saturate", [](Lanes a) { return saturate(a); }, [](S a) { return a > S(0) ? (a < S(1) ? a : S(1)) : S(0); });
+    check_unary<Lanes>(
+        "abs", [](Lanes a) { return abs(a); }, [](S a) { return std::fabs(a); });
+    check_unary<Lanes>(
+        "sqrt", [](Lanes a) { return sqrt(a); }, [](S a) { return std::sqrt(a); });
+    check_unary<Lanes>(
+        "floor", [](Lanes a) { return floor(a); }, [](S a) { return std::floor(a); });
 }
 
 std::int32_t truncated(float x, double limit) {
@@ -115,8 +167,10 @@ std::int32_t truncated(float x, double limit) {
 
 TEST_CASE("Float operations are IEEE fp32, one rounding each", "[lanes]") {
     check_real_operations<Float>();
-    check_unary<Float>("round", [](Float a) { return round(a); }, [](float a) { return std::nearbyint(a); });
-    check_unary<Float>("bits", [](Float a) { return float_of_bits(bits_of(a)); }, [](float a) { return a; });
+    check_unary<Float>(
+        "round", [](Float a) { return round(a); }, [](float a) { return std::nearbyint(a); });
+    check_unary<Float>(
+        "bits", [](Float a) { return float_of_bits(bits_of(a)); }, [](float a) { return a; });
 }
 
 TEST_CASE("Double operations are IEEE fp64", "[lanes]") { check_real_operations<Double>(); }
@@ -130,9 +184,9 @@ TEST_CASE("operations flush denormals inside a DenormalScope and not outside", "
     {
         const DenormalScope denormals(true);
         CHECK(raw(lane(Float(tiny) * Float(one), 0)) == 0u);
-        CHECK(raw(lane(Float(-tiny) * Float(one), 0)) == 0x80000000u);           // keeps the sign
-        CHECK(raw(lane(Float(least) * Float(half), 0)) == 0u);                   // result
-        CHECK(raw(lane(Float(tiny) + Float(least), 0)) == raw(0x1p-126f));       // operand
+        CHECK(raw(lane(Float(-tiny) * Float(one), 0)) == 0x80000000u);      // keeps the sign
+        CHECK(raw(lane(Float(least) * Float(half), 0)) == 0u);              // result
+        CHECK(raw(lane(Float(tiny) + Float(least), 0)) == raw(0x1p-126f));  // operand
         CHECK(all(Float(tiny) == Float(0.0f * one)));
         CHECK(none(Float(tiny) > Float(0.0f * one)));
         CHECK(raw(lane(select(Mask(true), Float(tiny), Float(one)), 0)) == 0x00400000u);  // moves keep bits
@@ -212,7 +266,8 @@ TEST_CASE("Int operations wrap", "[lanes]") {
     alignas(64) const std::array<std::int32_t, 32> table{5, 7, 9, 11, 13};
     CHECK(lane(gather(table.data(), Int(3)), 0) == 11);
     CHECK(lane(gather_bits(reinterpret_cast<const std::byte*>(table.data()), Int(8)), kLanes - 1) == 9);
-    CHECK(lane(gather_bits(reinterpret_cast<const std::byte*>(table.data()), Int(1)), 0) == (7 << 24));  // unaligned, little endian
+    CHECK(lane(gather_bits(reinterpret_cast<const std::byte*>(table.data()), Int(1)), 0) ==
+          (7 << 24));  // unaligned, little endian
 }
 
 TEST_CASE("conversions to integers define NaN and overflow", "[lanes][3.2.4.1]") {

@@ -3,8 +3,8 @@
 #include "sim/math.h"
 #include "sim/parallel.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 #include <mutex>
@@ -39,7 +39,8 @@ Worst sweep(std::uint32_t first, std::uint32_t last, std::uint32_t stride, const
         const std::uint64_t end = count * (piece + 1) / kPieces;
         for (std::uint64_t i = begin; i < end; i += kLanes) {
             std::array<float, kLanes> x;
-            for (std::size_t k = 0; k < kLanes; ++k) x[k] = std::bit_cast<float>(first + static_cast<std::uint32_t>(std::min(i + k, end - 1)) * stride);
+            for (std::size_t k = 0; k < kLanes; ++k)
+                x[k] = std::bit_cast<float>(first + static_cast<std::uint32_t>(std::min(i + k, end - 1)) * stride);
             const auto got = f(Float::load(x.data())).lanes();
             for (std::size_t k = 0; k < kLanes; ++k) {
                 const long double truth = exact(static_cast<long double>(x[k]));
@@ -61,15 +62,27 @@ void report(const char* what, const Worst& worst) {
 
 void check_all(std::uint32_t stride) {
     const auto log2_scale = [](long double y) { return ulp_of(std::max(std::fabs(y), 1.0L)); };
-    const Worst r = sweep(bits(0x1p-125f), bits(0x1p125f), stride, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
-    const Worst s = sweep(bits(0x1p-126f), bits(0x1.fffffep127f), stride, [](Float x) { return rsqrt(x); }, [](long double x) { return 1 / std::sqrt(x); }, ulp_of);
-    const Worst e_up = sweep(bits(0x1p-30f), bits(127.99999f), stride, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
-    const Worst e_down = sweep(bits(-0x1p-30f), bits(-126.0f), stride, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
-    const Worst e_tiny = sweep(bits(-126.0f), bits(-151.0f), std::max(stride / 64, 1u), [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
-    const Worst l = sweep(1, bits(0x1.fffffep127f), stride, [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); }, log2_scale);
+    const Worst r = sweep(
+        bits(0x1p-125f), bits(0x1p125f), stride, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
+    const Worst s = sweep(
+        bits(0x1p-126f), bits(0x1.fffffep127f), stride, [](Float x) { return rsqrt(x); },
+        [](long double x) { return 1 / std::sqrt(x); }, ulp_of);
+    const Worst e_up = sweep(
+        bits(0x1p-30f), bits(127.99999f), stride, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); },
+        ulp_of);
+    const Worst e_down = sweep(
+        bits(-0x1p-30f), bits(-126.0f), stride, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); },
+        ulp_of);
+    const Worst e_tiny = sweep(
+        bits(-126.0f), bits(-151.0f), std::max(stride / 64, 1u), [](Float x) { return exp2(x); },
+        [](long double x) { return std::exp2(x); }, ulp_of);
+    const Worst l = sweep(
+        1, bits(0x1.fffffep127f), stride, [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); },
+        log2_scale);
     // D3D11.3 22.10: absolute 2^-21 in [0.5, 2], relative 2^-21 elsewhere.
-    const Worst near = sweep(bits(0.5f), bits(2.0f), std::max(stride / 64, 1u), [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); },
-                             [](long double) { return 0x1p-24L; });
+    const Worst near = sweep(
+        bits(0.5f), bits(2.0f), std::max(stride / 64, 1u), [](Float x) { return log2(x); },
+        [](long double x) { return std::log2(x); }, [](long double) { return 0x1p-24L; });
     report("rcp", r);
     report("rsqrt", s);
     report("exp2, x > 0", e_up);
@@ -94,10 +107,15 @@ TEST_CASE("rcp, rsqrt, exp2 and log2 stay within their stated errors", "[math][2
 TEST_CASE("rcp, rsqrt, exp2 and log2 over every mantissa and all exponents", "[.][sweep][math]") {
     check_all(29);
     // Every float of the binades that the others are scaled copies of.
-    const Worst r = sweep(bits(1.0f), bits(2.0f), 1, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
-    const Worst s = sweep(bits(1.0f), bits(4.0f), 1, [](Float x) { return rsqrt(x); }, [](long double x) { return 1 / std::sqrt(x); }, ulp_of);
-    const Worst e = sweep(bits(0.25f), bits(1.0f), 1, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
-    const Worst l = sweep(bits(0.5f), bits(2.0f), 1, [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); }, [](long double) { return 0x1p-24L; });
+    const Worst r = sweep(
+        bits(1.0f), bits(2.0f), 1, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
+    const Worst s = sweep(
+        bits(1.0f), bits(4.0f), 1, [](Float x) { return rsqrt(x); }, [](long double x) { return 1 / std::sqrt(x); }, ulp_of);
+    const Worst e = sweep(
+        bits(0.25f), bits(1.0f), 1, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
+    const Worst l = sweep(
+        bits(0.5f), bits(2.0f), 1, [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); },
+        [](long double) { return 0x1p-24L; });
     report("rcp in [1, 2)", r);
     report("rsqrt in [1, 4)", s);
     report("exp2 in [1/4, 1)", e);
@@ -161,10 +179,16 @@ TEST_CASE("host functions in double agree with libm", "[math]") {
         worst_sin = std::max({worst_sin, std::fabs(scalar::sin(x) - static_cast<double>(std::sin(static_cast<long double>(x)))),
                               std::fabs(scalar::cos(x) - static_cast<double>(std::cos(static_cast<long double>(x))))});
         const double y = i * 0.00499;
-        worst_exp2 = std::max(worst_exp2, static_cast<double>(std::fabs(static_cast<long double>(scalar::exp2(y)) / std::exp2(static_cast<long double>(y)) - 1)));
+        worst_exp2 = std::max(
+            worst_exp2, static_cast<double>(
+                            std::fabs(static_cast<long double>(scalar::exp2(y)) / std::exp2(static_cast<long double>(y)) - 1)));
         const double z = std::exp(i * 0.003);
-        worst_log2 = std::max(worst_log2, static_cast<double>(std::fabs(static_cast<long double>(scalar::log2(z)) - std::log2(static_cast<long double>(z)))));
-        if (i % 100 == 0) worst_pow = std::max(worst_pow, std::fabs(scalar::pow(1.0 + (i + 200000) * 1e-5, 2.4) / std::pow(1.0 + (i + 200000) * 1e-5, 2.4) - 1));
+        worst_log2 = std::max(worst_log2, static_cast<double>(std::fabs(static_cast<long double>(scalar::log2(z)) -
+                                                                        std::log2(static_cast<long double>(z)))));
+        if (i % 100 == 0)
+            worst_pow =
+                std::max(worst_pow,
+                         std::fabs(scalar::pow(1.0 + (i + 200000) * 1e-5, 2.4) / std::pow(1.0 + (i + 200000) * 1e-5, 2.4) - 1));
     }
     INFO("exp2 " << worst_exp2 << " log2 " << worst_log2 << " sin/cos " << worst_sin << " pow " << worst_pow);
     CHECK(worst_sin < 1e-15);
@@ -174,14 +198,16 @@ TEST_CASE("host functions in double agree with libm", "[math]") {
     double near_one = 0;
     for (int i = 0; i < 10000; ++i) {
         const double x = 0.5 + i * 1.5e-4;
-        near_one = std::max(near_one, static_cast<double>(std::fabs(static_cast<long double>(scalar::log2(x)) - std::log2(static_cast<long double>(x)))));
+        near_one = std::max(near_one, static_cast<double>(std::fabs(static_cast<long double>(scalar::log2(x)) -
+                                                                    std::log2(static_cast<long double>(x)))));
     }
     CHECK(near_one < 0x1p-48);
     CHECK(std::fabs(scalar::tan(0.7) - std::tan(0.7)) < 1e-15);
     double worst_atan = 0;
     for (int i = -20000; i <= 20000; ++i) {
         const double x = std::copysign(std::exp(std::fabs(i) * 0.002 - 20), static_cast<double>(i));
-        worst_atan = std::max(worst_atan, static_cast<double>(std::fabs(static_cast<long double>(scalar::atan(x)) - std::atan(static_cast<long double>(x)))));
+        worst_atan = std::max(worst_atan, static_cast<double>(std::fabs(static_cast<long double>(scalar::atan(x)) -
+                                                                        std::atan(static_cast<long double>(x)))));
     }
     INFO("atan " << worst_atan);
     CHECK(worst_atan < 0x1p-49);

@@ -23,7 +23,9 @@ std::string message_of(std::string_view json) {
     return "no error";
 }
 
-bool mentions(const std::string& message, std::string_view what) { return message.starts_with("test.json: ") && message.find(what) != std::string::npos; }
+bool mentions(const std::string& message, std::string_view what) {
+    return message.starts_with("test.json: ") && message.find(what) != std::string::npos;
+}
 
 }  // namespace
 
@@ -108,7 +110,8 @@ TEST_CASE("a profile may come from a file", "[profile]") {
     CHECK_THROWS_AS(load_profile("/nonexistent/profile.json"), Error);
     CHECK_THROWS_AS(load_profile(""), Error);
     CHECK_THROWS_AS(load_profile("/"), Error);
-    const std::string path = (std::filesystem::temp_directory_path() / fmt::format("gnomon_profile_{}.json", getpid())).string();
+    const std::string path =
+        (std::filesystem::temp_directory_path() / fmt::format("gnomon_profile_{}.json", getpid())).string();
     {
         std::ofstream file(path);
         file << R"({"base": "ideal", "name": "mine"})";

@@ -18,7 +18,8 @@ void check_derivatives() {
         for (std::size_t i = 0; i < kLanes; ++i) x[i] = static_cast<Scalar>(random.in(-10.0f, 10.0f));
         // The pattern in each quad in turn; other quads hold noise that must not leak in.
         const std::size_t quad = 4 * (static_cast<std::size_t>(pattern) % kQuadsPerWave);
-        for (int i = 0, rest = pattern; i < 4; ++i, rest /= 5) x[quad + static_cast<std::size_t>(i)] = static_cast<Scalar>(kValues[static_cast<std::size_t>(rest % 5)]);
+        for (int i = 0, rest = pattern; i < 4; ++i, rest /= 5)
+            x[quad + static_cast<std::size_t>(i)] = static_cast<Scalar>(kValues[static_cast<std::size_t>(rest % 5)]);
         const Real v = Real::load(x.data());
         const auto dx = ddx_coarse(v).lanes();
         const auto dy = ddy_coarse(v).lanes();

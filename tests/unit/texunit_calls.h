@@ -45,14 +45,15 @@ void for_waves(std::span<const Coordinate> coordinates, const Body& body) {
 }
 
 template <class Real = Float>
-std::vector<std::array<typename Real::Scalar, 4>> sample_all(const Texture& texture, const Sampler& sampler, const Profile& profile,
-                                                             std::span<const Coordinate> coordinates) {
+std::vector<std::array<typename Real::Scalar, 4>> sample_all(const Texture& texture, const Sampler& sampler,
+                                                             const Profile& profile, std::span<const Coordinate> coordinates) {
     const DenormalScope denormals(profile.flush_denormals);
     std::vector<std::array<typename Real::Scalar, 4>> out(coordinates.size());
     for_waves(coordinates, [&](std::span<const Coordinate> wave, std::size_t first) {
         const Vec2<Real> uv{load_field<Real>(wave, [](const Coordinate& c) { return c.u; }),
                             load_field<Real>(wave, [](const Coordinate& c) { return c.v; })};
-        const Vec4<Real> color = sample(texture, sampler, profile, uv, load_field<Real>(wave, [](const Coordinate& c) { return c.lod; }));
+        const Vec4<Real> color =
+            sample(texture, sampler, profile, uv, load_field<Real>(wave, [](const Coordinate& c) { return c.lod; }));
         for (std::size_t i = 0; i < wave.size(); ++i) {
             const int l = static_cast<int>(i);
             out[first + i] = {lane(color.x, l), lane(color.y, l), lane(color.z, l), lane(color.w, l)};
@@ -69,7 +70,8 @@ std::vector<typename Real::Scalar> compare_all(const Texture& texture, const Sam
     for_waves(coordinates, [&](std::span<const Coordinate> wave, std::size_t first) {
         const Vec2<Real> uv{load_field<Real>(wave, [](const Coordinate& c) { return c.u; }),
                             load_field<Real>(wave, [](const Coordinate& c) { return c.v; })};
-        const Real result = sample_compare(texture, sampler, profile, uv, load_field<Real>(wave, [](const Coordinate& c) { return c.reference; }),
+        const Real result = sample_compare(texture, sampler, profile, uv,
+                                           load_field<Real>(wave, [](const Coordinate& c) { return c.reference; }),
                                            load_field<Real>(wave, [](const Coordinate& c) { return c.lod; }));
         for (std::size_t i = 0; i < wave.size(); ++i) out[first + i] = lane(result, static_cast<int>(i));
     });
@@ -110,7 +112,8 @@ std::uint32_t moderate_code(Format format, Random& random) {
         case ComponentType::Unorm16:
         case ComponentType::Depth16: return random.bits() & 0xffffu;
         case ComponentType::Depth24: return random.bits() & 0xffffffu;
-        case ComponentType::Float16: return (random.bits() & 0x8000u) | static_cast<std::uint32_t>(random.between(0x0400, 0x3c00));
+        case ComponentType::Float16:
+            return (random.bits() & 0x8000u) | static_cast<std::uint32_t>(random.between(0x0400, 0x3c00));
         case ComponentType::Float32: return std::bit_cast<std::uint32_t>(random.in(-1.0f, 1.0f));
         case ComponentType::Depth32: return std::bit_cast<std::uint32_t>(random.unit());
     }

@@ -4,15 +4,16 @@
 #include "tests/unit/texunit_calls.h"
 #include "texunit/mipmap.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
 
 namespace {
 
-/// Share of texel i of the level above that texel x of the level below covers, by areas: intervals of [0, above) cut in `below`.
+/// Share of texel i of the level above that texel x of the level below covers, by areas: intervals of [0, above) cut in
+/// `below`.
 long double area_weight(int x, int i, int below, int above) {
     const long double left = static_cast<long double>(x) * above / below;
     const long double right = static_cast<long double>(x + 1) * above / below;
@@ -32,9 +33,11 @@ std::uint32_t code_at(const Texture& texture, int level, int x, int y, int c) {
 
 TEST_CASE("every level is the mean over the area it covers in the level above", "[mips]") {
     for (const FormatInfo& info : kFormats)
-        for (const auto& [width, height] : {std::pair{16, 8}, std::pair{17, 5}, std::pair{1, 9}, std::pair{7, 1}, std::pair{33, 31}, std::pair{3, 3}}) {
+        for (const auto& [width, height] :
+             {std::pair{16, 8}, std::pair{17, 5}, std::pair{1, 9}, std::pair{7, 1}, std::pair{33, 31}, std::pair{3, 3}}) {
             oracle::Random random(static_cast<std::uint64_t>(info.format) * 100 + static_cast<std::uint64_t>(width));
-            Texture texture({.format = info.format, .width = width, .height = height, .levels = full_level_count(width, height)});
+            Texture texture(
+                {.format = info.format, .width = width, .height = height, .levels = full_level_count(width, height)});
             std::vector<std::uint32_t> codes(static_cast<std::size_t>(width * height * info.components));
             for (auto& code : codes) code = moderate_code(info.format, random);
             const auto bytes = texture_of(info.format, width, height, codes).level_bytes(0);
@@ -48,19 +51,23 @@ TEST_CASE("every level is the mean over the area it covers in the level above", 
                             long double exact = 0;
                             for (int j = 0; j < texture.height(level - 1); ++j)
                                 for (int i = 0; i < texture.width(level - 1); ++i)
-                                    exact += area_weight(x, i, texture.width(level), texture.width(level - 1)) *
-                                             area_weight(y, j, texture.height(level), texture.height(level - 1)) *
-                                             static_cast<long double>(code_value(info.format, code_at(texture, level - 1, i, j, c)));
-                            const auto got = static_cast<long double>(code_value(info.format, code_at(texture, level, x, y, c)));
+                                    exact +=
+                                        area_weight(x, i, texture.width(level), texture.width(level - 1)) *
+                                        area_weight(y, j, texture.height(level), texture.height(level - 1)) *
+                                        static_cast<long double>(code_value(info.format, code_at(texture, level - 1, i, j, c)));
+                            const auto got =
+                                static_cast<long double>(code_value(info.format, code_at(texture, level, x, y, c)));
                             // fp32: 3 + 3 weights, products and sums on values up to 1; then the format's own rounding.
                             long double bound = 12 * 0x1p-24L;
                             if (info.type == ComponentType::Float16) bound += std::max(std::fabs(exact) * 0x1p-10L, 0x1p-24L);
                             if (info.bits_per_component == 8) bound += 0.5L / 255;
-                            if (info.type == ComponentType::Unorm16 || info.type == ComponentType::Depth16) bound += 0.5L / 65535;
+                            if (info.type == ComponentType::Unorm16 || info.type == ComponentType::Depth16)
+                                bound += 0.5L / 65535;
                             if (info.type == ComponentType::Depth24) bound += 0.5L / 16777215;
                             if (!(std::fabs(got - exact) <= bound))
-                                FAIL(fmt::format("{} {}x{} level {} texel ({}, {}) channel {}: {:a}, exact {:a}", info.name, width, height, level, x, y, c,
-                                                 static_cast<double>(got), static_cast<double>(exact)));
+                                FAIL(fmt::format("{} {}x{} level {} texel ({}, {}) channel {}: {:a}, exact {:a}", info.name,
+                                                 width, height, level, x, y, c, static_cast<double>(got),
+                                                 static_cast<double>(exact)));
                         }
         }
 }
