@@ -142,6 +142,7 @@ Shape body() {
     }
     std::sort(stations.begin(), stations.end());
     std::vector<Ring> rings;
+    rings.reserve(stations.size());
     for (const auto& [x, close] : stations) rings.push_back(body_section(x, close));
     return loft(rings);
 }

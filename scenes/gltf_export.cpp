@@ -15,8 +15,8 @@ namespace gnomon::scenes {
 namespace {
 
 std::vector<double> as_doubles(const glm::mat4& m) {
-    std::vector<double> values;
-    for (int i = 0; i < 16; ++i) values.push_back(static_cast<double>(m[i / 4][i % 4]));
+    std::vector<double> values(16);
+    for (int i = 0; i < 16; ++i) values[static_cast<std::size_t>(i)] = static_cast<double>(m[i / 4][i % 4]);
     return values;
 }
 

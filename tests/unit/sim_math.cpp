@@ -165,11 +165,15 @@ TEST_CASE("transcendental special values", "[math]") {
 }
 
 TEST_CASE("denormal operands of log2 and exp2 while denormals are flushed", "[math][3.1.3.2]") {
+    // Through volatile: what a compiler folds at compile time knows nothing of the scope.
+    volatile float tiny = 0x1p-130f;
+    volatile float lowest = -126.0f;
+    volatile float below = -127.0f;
     const DenormalScope denormals(true);
-    CHECK(lane(log2(Float(0x1p-130f)), 0) == -HUGE_VALF);
-    CHECK(lane(exp2(Float(-126.0f)), 0) == 0x1p-126f);
-    CHECK(lane(exp2(Float(-127.0f)), 0) == 0.0f);
-    CHECK(lane(exp2(Float(0x1p-130f)), 0) == 1.0f);
+    CHECK(lane(log2(Float(tiny)), 0) == -HUGE_VALF);
+    CHECK(lane(exp2(Float(lowest)), 0) == 0x1p-126f);
+    CHECK(lane(exp2(Float(below)), 0) == 0.0f);
+    CHECK(lane(exp2(Float(tiny)), 0) == 1.0f);
 }
 
 TEST_CASE("host functions in double agree with libm", "[math]") {
