@@ -4,8 +4,8 @@
 #include "sim/error.h"
 #include "sim/warn.h"
 
-#include <glm/geometric.hpp>
 #include <tiny_gltf.h>
+#include <glm/geometric.hpp>
 
 #include <array>
 #include <cmath>

@@ -9,7 +9,7 @@
 namespace tinygltf {
 class Model;
 struct Primitive;
-}
+}  // namespace tinygltf
 
 namespace gnomon::scenes {
 

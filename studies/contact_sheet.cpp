@@ -46,20 +46,21 @@ SheetEntry read_entry(const fs::path& report_path, const fs::path& root) {
     std::ifstream file(report_path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     const Json report = Json::parse(text);
-    SheetEntry entry{.scene = text_at(report, "/configuration/scene"),
-                     .technique = text_at(report, "/configuration/technique"),
-                     .folder = report_path.parent_path().lexically_relative(root).generic_string(),
-                     .settings = settings_line(report),
-                     .image = fmt::format("{}x{}, profile {}", text_at(report, "/configuration/size/0"),
-                                          text_at(report, "/configuration/size/1"),
-                                          text_at(report, "/configuration/profile/name")),
-                     .metrics = {},
-                     .frame_ms = number_at(report, "/timings_ms/frame"),
-                     .hash = text_at(report, "/hashes/visibility"),
-                     .pictures = pictures_in(report_path.parent_path())};
+    SheetEntry entry{
+        .scene = text_at(report, "/configuration/scene"),
+        .technique = text_at(report, "/configuration/technique"),
+        .folder = report_path.parent_path().lexically_relative(root).generic_string(),
+        .settings = settings_line(report),
+        .image = fmt::format("{}x{}, profile {}", text_at(report, "/configuration/size/0"),
+                             text_at(report, "/configuration/size/1"), text_at(report, "/configuration/profile/name")),
+        .metrics = {},
+        .frame_ms = number_at(report, "/timings_ms/frame"),
+        .hash = text_at(report, "/hashes/visibility"),
+        .pictures = pictures_in(report_path.parent_path())};
     if (!report.at("metrics").is_null())
-        entry.metrics = {number_at(report, "/metrics/rmse"), number_at(report, "/metrics/mae"), number_at(report, "/metrics/p99"),
-                         number_at(report, "/metrics/leak"), number_at(report, "/metrics/acne")};
+        entry.metrics = {number_at(report, "/metrics/rmse"), number_at(report, "/metrics/mae"),
+                         number_at(report, "/metrics/p99"), number_at(report, "/metrics/leak"),
+                         number_at(report, "/metrics/acne")};
     return entry;
 }
 
@@ -84,7 +85,8 @@ std::vector<fs::path> find_reports(const fs::path& folder) {
 std::size_t technique_order(const std::string& name) {
     const auto all = techniques::all_techniques();
     return static_cast<std::size_t>(
-        std::ranges::find_if(all, [&](const techniques::Technique& technique) { return technique.name == name; }) - all.begin());
+        std::ranges::find_if(all, [&](const techniques::Technique& technique) { return technique.name == name; }) -
+        all.begin());
 }
 
 bool technique_before(const std::string& a, const std::string& b) {
@@ -104,9 +106,8 @@ ContactSheet read_contact_sheet(const fs::path& folder) {
                 sheet.techniques.push_back(entry.technique);
             // Results of one scene whose folders lie side by side share a row.
             const std::string row_folder = fs::path(entry.folder).parent_path().generic_string();
-            auto row = std::ranges::find_if(sheet.rows, [&](const SheetRow& other) {
-                return other.scene == entry.scene && other.folder == row_folder;
-            });
+            auto row = std::ranges::find_if(
+                sheet.rows, [&](const SheetRow& other) { return other.scene == entry.scene && other.folder == row_folder; });
             if (row == sheet.rows.end()) row = sheet.rows.insert(row, {entry.scene, row_folder, {}});
             row->entries.push_back(std::move(entry));
         } catch (const Json::exception&) {

@@ -83,9 +83,9 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
         progress.step(stage, 0, 0);
         if (showing && on_command) on_command(command);
     });
-    techniques::Frame frame(device, scene_,
-                            {.width = request_.width, .height = request_.height, .technique = plan.technique,
-                             .settings = plan.settings});
+    techniques::Frame frame(
+        device, scene_,
+        {.width = request_.width, .height = request_.height, .technique = plan.technique, .settings = plan.settings});
 
     // Counting costs time: count in one frame, which also warms the caches, and time the next.
     techniques::PassTimer counted(device);

@@ -27,18 +27,17 @@ enum class Truth {
 
 namespace gnomon {
 template <>
-inline constexpr std::array kEnumNames<studies::Truth>{EnumName{studies::Truth::None, "none"},
-                                                       EnumName{studies::Truth::Center, "center"},
-                                                       EnumName{studies::Truth::Area, "area"}};
+inline constexpr std::array kEnumNames<studies::Truth>{
+    EnumName{studies::Truth::None, "none"}, EnumName{studies::Truth::Center, "center"}, EnumName{studies::Truth::Area, "area"}};
 }  // namespace gnomon
 
 namespace gnomon::studies {
 
 /// What a user asks for. Names are checked when the Experiment is made.
 struct RenderRequest {
-    std::string scene = "car";  // a built-in scene by name, or a glTF file
+    std::string scene = "car";           // a built-in scene by name, or a glTF file
     scenes::GltfOptions file_options{};  // for files: a ground plane, a view chosen anew
-    std::string technique = "vsm";  // or "all"
+    std::string technique = "vsm";       // or "all"
     techniques::TechniqueRequest choices;
     int width = 1024;  // pixels, 1 to kMaxTextureSize
     int height = 768;
@@ -71,8 +70,8 @@ struct Hashes {
 /// Where it ran: nothing here may change a result.
 struct Host {
     int threads = 0;
-    int lanes = 0;        // pixels per wave
-    std::string target;   // instruction set
+    int lanes = 0;       // pixels per wave
+    std::string target;  // instruction set
     std::string compiler;
 };
 
@@ -92,8 +91,8 @@ struct RenderResult {
     FloatImage visibility;  // techniques::Frame::kNoSurface where nothing was drawn
     std::optional<Metrics> metrics;
     std::vector<PassResult> passes;
-    double frame_ms = 0;     // sum over the passes
-    double truth_ms = 0;     // ray tracing; shared by all techniques of an experiment
+    double frame_ms = 0;  // sum over the passes
+    double truth_ms = 0;  // ray tracing; shared by all techniques of an experiment
     Hashes hashes;
 };
 

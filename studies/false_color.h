@@ -13,9 +13,9 @@ namespace gnomon::studies {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
-inline constexpr Rgb kTooBright{190, 0, 20};   // error +1 and above
-inline constexpr Rgb kRight{255, 255, 255};    // error 0
-inline constexpr Rgb kTooDark{0, 50, 190};     // error -1 and below
+inline constexpr Rgb kTooBright{190, 0, 20};  // error +1 and above
+inline constexpr Rgb kRight{255, 255, 255};   // error 0
+inline constexpr Rgb kTooDark{0, 50, 190};    // error -1 and below
 inline constexpr Rgb kNotJudged{150, 150, 150};
 inline constexpr Rgb kNotFinite{255, 0, 255};
 

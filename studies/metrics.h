@@ -15,11 +15,11 @@ inline constexpr float kJudgedWeight = 0.999f;
 
 /// Errors are visibility - truth. All sums run in double over rows from the top, so they have one value on every machine.
 struct Metrics {
-    double rmse = 0;  // root of the mean squared error
-    double mae = 0;   // mean absolute error
-    double p99 = 0;   // absolute error that 99 % of the pixels do not exceed (nearest rank)
-    double leak = 0;  // mean visibility where the truth is fully shadowed
-    double acne = 0;  // mean missing visibility where the truth is fully lit
+    double rmse = 0;                    // root of the mean squared error
+    double mae = 0;                     // mean absolute error
+    double p99 = 0;                     // absolute error that 99 % of the pixels do not exceed (nearest rank)
+    double leak = 0;                    // mean visibility where the truth is fully shadowed
+    double acne = 0;                    // mean missing visibility where the truth is fully lit
     std::uint64_t pixels = 0;           // judged
     std::uint64_t shadowed_pixels = 0;  // of these, truth 0: what leak is the mean of
     std::uint64_t lit_pixels = 0;       // of these, truth 1: what acne is the mean of

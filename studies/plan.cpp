@@ -72,8 +72,7 @@ scenes::Scene find_scene(const std::string& name_or_path, const scenes::GltfOpti
     }
     std::error_code error;
     const auto status = std::filesystem::status(name_or_path, error);
-    if (!std::filesystem::exists(status))
-        fail("--scene '{}': neither a built-in scene ({}) nor a file", name_or_path, names);
+    if (!std::filesystem::exists(status)) fail("--scene '{}': neither a built-in scene ({}) nor a file", name_or_path, names);
     if (!std::filesystem::is_regular_file(status)) fail("--scene '{}': not a regular file", name_or_path);
     return scenes::load_gltf(name_or_path, options);
 }

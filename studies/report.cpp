@@ -67,9 +67,8 @@ std::string report_json(const RenderResult& result) {
     Json json;
     json["gnomon"] = version();
     json["configuration"] = configuration_json(result);
-    json["scene"] = {{"triangles", result.scene.triangles},
-                     {"meshes", result.scene.meshes},
-                     {"instances", result.scene.instances}};
+    json["scene"] = {
+        {"triangles", result.scene.triangles}, {"meshes", result.scene.meshes}, {"instances", result.scene.instances}};
     json["metrics"] = result.metrics ? fields_json(*result.metrics) : Json();
     json["counters"] = counters_json(result);
     json["timings_ms"] = timings_json(result);

@@ -86,9 +86,10 @@ bool has_picture(const SheetEntry& entry, std::string_view name) {
 std::string figure_html(const SheetEntry& entry, const std::string& name, std::string_view caption) {
     if (!has_picture(entry, name)) return {};
     const std::string link = link_to(entry.folder, name);
-    return fmt::format("<figure><a href=\"{0}\"><img loading=\"lazy\" src=\"{0}\" alt=\"{1}: {2}, {3}\"></a><figcaption>{1}"
-                       "</figcaption></figure>\n",
-                       link, caption, escaped(entry.scene), escaped(entry.technique));
+    return fmt::format(
+        "<figure><a href=\"{0}\"><img loading=\"lazy\" src=\"{0}\" alt=\"{1}: {2}, {3}\"></a><figcaption>{1}"
+        "</figcaption></figure>\n",
+        link, caption, escaped(entry.scene), escaped(entry.technique));
 }
 
 /// The smallest of a number among the results of a row, to set in bold; -1 when fewer than two have it.
@@ -122,8 +123,9 @@ std::string numbers_html(const SheetRow& row, const SheetEntry& entry) {
 }
 
 std::string entry_html(const SheetRow& row, const SheetEntry& entry) {
-    std::string html = fmt::format("<div class=\"cell\"><h3>{}</h3><div class=\"how\">{}<br><a href=\"{}\">report.json</a></div>\n",
-                                   escaped(entry.technique), escaped(entry.settings), link_to(entry.folder, "report.json"));
+    std::string html =
+        fmt::format("<div class=\"cell\"><h3>{}</h3><div class=\"how\">{}<br><a href=\"{}\">report.json</a></div>\n",
+                    escaped(entry.technique), escaped(entry.settings), link_to(entry.folder, "report.json"));
     html += figure_html(entry, "color.png", "colour");
     html += figure_html(entry, "visibility.png", "visibility");
     html += figure_html(entry, "difference.png", "visibility - reference");
@@ -150,7 +152,8 @@ std::string row_html(const ContactSheet& sheet, const SheetRow& row) {
             any = true;
         }
         if (!any)
-            html += fmt::format("<div class=\"cell\"><h3>{}</h3><div class=\"none\">not rendered</div></div>\n", escaped(technique));
+            html += fmt::format("<div class=\"cell\"><h3>{}</h3><div class=\"none\">not rendered</div></div>\n",
+                                escaped(technique));
     }
     return html + reference_html(row) + "</div>\n";
 }
@@ -162,7 +165,8 @@ std::string contact_sheet_html(const ContactSheet& sheet) {
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>Gnomon contact sheet</title>\n"
         "<style>{}</style>\n</head>\n<body>\n<h1>Gnomon contact sheet</h1>\n"
-        "<p>Shadows as the simulated GPU renders them, against ray-traced truth. Numbers are over the judged pixels; the best of "
+        "<p>Shadows as the simulated GPU renders them, against ray-traced truth. Numbers are over the judged pixels; the best "
+        "of "
         "a row is bold. Click a picture for its full size.</p>\n",
         kStyle);
     html += legend_html();

@@ -40,8 +40,8 @@ std::string report_text(const RenderResult& result) {
     const RenderRequest& request = result.request;
     std::string text;
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene, request.file_options.ground ? " on a ground plane" : "",
-                   grouped(result.scene.triangles));
+    fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene,
+                   request.file_options.ground ? " on a ground plane" : "", grouped(result.scene.triangles));
     fmt::format_to(out, "technique   {}\n", settings_text(result));
     fmt::format_to(out, "image       {}x{}, profile {}, {} thread{}\n", request.width, request.height, result.profile.name,
                    result.host.threads, result.host.threads == 1 ? "" : "s");
@@ -56,8 +56,9 @@ std::string report_text(const RenderResult& result) {
     fmt::format_to(out, "timings ms ");
     for (const PassResult& pass : result.passes) fmt::format_to(out, " {} {:.2f}  ", pass.name, pass.milliseconds);
     fmt::format_to(out, " frame {:.2f}\n", result.frame_ms);
-    fmt::format_to(out, "hashes      visibility {}\n            depth      {}\n            color      {}\n            map        {}\n",
-                   result.hashes.visibility, result.hashes.depth, result.hashes.color, result.hashes.map);
+    fmt::format_to(
+        out, "hashes      visibility {}\n            depth      {}\n            color      {}\n            map        {}\n",
+        result.hashes.visibility, result.hashes.depth, result.hashes.color, result.hashes.map);
     return text;
 }
 

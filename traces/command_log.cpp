@@ -26,9 +26,8 @@ Json to_json(const CreateBuffer& c) {
 }
 
 Json to_json(const CreateTexture& c) {
-    return {{"cmd", "create_texture"},        {"id", number(c.id)},         {"label", c.label},
-            {"format", name_of(c.desc.format)}, {"width", c.desc.width},      {"height", c.desc.height},
-            {"levels", c.desc.levels}};
+    return {{"cmd", "create_texture"}, {"id", number(c.id)},      {"label", c.label},       {"format", name_of(c.desc.format)},
+            {"width", c.desc.width},   {"height", c.desc.height}, {"levels", c.desc.levels}};
 }
 
 Json to_json(const WriteTexture& c) {

@@ -31,7 +31,9 @@ void make_contact_sheet(const std::string& folder) {
 void add_contact_sheet(CLI::App& app) {
     CLI::App* command = app.add_subcommand("contact-sheet", "Gather results below a folder on one page, DIR/index.html");
     const auto folder = std::make_shared<std::string>();
-    command->add_option("dir", *folder, "Folder with the results of 'gnomon render', at any depth")->type_name("DIR")->required();
+    command->add_option("dir", *folder, "Folder with the results of 'gnomon render', at any depth")
+        ->type_name("DIR")
+        ->required();
     command->callback([folder] { make_contact_sheet(*folder); });
 }
 

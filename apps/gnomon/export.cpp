@@ -19,7 +19,8 @@ struct ExportOptions {
 };
 
 void export_scene(const ExportOptions& options) {
-    if (std::filesystem::path(options.out).extension() != ".glb") fail("--out {}: expected a name that ends in .glb", options.out);
+    if (std::filesystem::path(options.out).extension() != ".glb")
+        fail("--out {}: expected a name that ends in .glb", options.out);
     const scenes::Scene scene = studies::find_scene(options.scene, options.file_options);
     studies::OutputFile file(options.out, "--out " + options.out);
     scenes::save_glb(scene, file.staging());
@@ -37,7 +38,8 @@ void add_export(CLI::App& app) {
         ->type_name("NAME|FILE")
         ->required();
     command->add_flag("--ground", options->file_options.ground, "Put the model of a file on a ground plane");
-    command->add_flag("--auto-view", options->file_options.automatic_view, "Choose camera and light even where the file has them");
+    command->add_flag("--auto-view", options->file_options.automatic_view,
+                      "Choose camera and light even where the file has them");
     command->add_option("--out", options->out, "The file to write")->type_name("FILE.glb")->required();
     command->footer("Rendering the file gives the same bytes as rendering the scene.");
     command->callback([options] { export_scene(*options); });

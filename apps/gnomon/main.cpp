@@ -23,15 +23,17 @@ int complain(std::string message) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("Gnomon: a software GPU for people who study shadow maps.\nRenders shadow techniques as the hardware would, to the "
-                 "bit, and measures them against ray-traced truth.",
-                 "gnomon");
+    CLI::App app(
+        "Gnomon: a software GPU for people who study shadow maps.\nRenders shadow techniques as the hardware would, to the "
+        "bit, and measures them against ray-traced truth.",
+        "gnomon");
     app.set_version_flag("--version", "gnomon " + gnomon::studies::version());
     app.require_subcommand(1);
-    app.footer("gnomon COMMAND --help tells more. Start with:\n"
-               "  gnomon list\n"
-               "  gnomon render --scene car --technique all --out out/car\n"
-               "  gnomon contact-sheet out");
+    app.footer(
+        "gnomon COMMAND --help tells more. Start with:\n"
+        "  gnomon list\n"
+        "  gnomon render --scene car --technique all --out out/car\n"
+        "  gnomon contact-sheet out");
     gnomon::cli::add_list(app);
     gnomon::cli::add_render(app);
     gnomon::cli::add_export(app);

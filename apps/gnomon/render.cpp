@@ -122,7 +122,8 @@ void add_scene_options(CLI::App& command, RenderOptions& options) {
         ->required()
         ->group(kGroup);
     command.add_flag("--ground", request.file_options.ground, "Put the model of a file on a ground plane")->group(kGroup);
-    command.add_flag("--auto-view", request.file_options.automatic_view, "Choose camera and light even where the file has them")
+    command
+        .add_flag("--auto-view", request.file_options.automatic_view, "Choose camera and light even where the file has them")
         ->group(kGroup);
     command
         .add_option_function<std::string>(
@@ -182,7 +183,8 @@ void add_machine_options(CLI::App& command, RenderOptions& options) {
         ->group(kGroup);
     command
         .add_option_function<std::string>(
-            "--threads", [&options](const std::string& text) { options.request.threads = parse_int(text, "--threads", 0, 256); },
+            "--threads",
+            [&options](const std::string& text) { options.request.threads = parse_int(text, "--threads", 0, 256); },
             "Worker threads, 0 for all processors; changes no result [0]")
         ->type_name("N")
         ->group(kGroup);
@@ -194,7 +196,8 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
         ->type_name("DIR")
         ->required()
         ->group(kGroup);
-    command.add_flag("--counters", options.counters, "Print what every pass counted (report.json always has it)")->group(kGroup);
+    command.add_flag("--counters", options.counters, "Print what every pass counted (report.json always has it)")
+        ->group(kGroup);
     command.add_option("--log-commands", options.log_commands, "Write every device command of a frame as a line of JSON")
         ->type_name("FILE")
         ->group(kGroup);

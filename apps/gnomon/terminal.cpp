@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kRepaint{200};
 }  // namespace
 
 void catch_stop_signals() {
-    struct sigaction action {};
+    struct sigaction action{};
     action.sa_handler = [](int number) {
         stop_signal.store(number, std::memory_order_relaxed);
         stop_asked.store(true, std::memory_order_relaxed);

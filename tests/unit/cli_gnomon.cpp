@@ -185,9 +185,10 @@ TEST_CASE("bad input is one line on stderr, exit code 2, and nothing written", "
 
 TEST_CASE("an interrupted render leaves nothing half-written", "[cli]") {
     const TemporaryFolder folder;
-    const Outcome run = gnomon_run(folder,
-                                   "render --scene bench --technique vsm --size 4096x4096 --reference area --out o 2>stopped.txt & pid=$!; "
-                                   "sleep 1; kill -INT $pid; wait $pid; exit $?; true");
+    const Outcome run =
+        gnomon_run(folder,
+                   "render --scene bench --technique vsm --size 4096x4096 --reference area --out o 2>stopped.txt & pid=$!; "
+                   "sleep 1; kill -INT $pid; wait $pid; exit $?; true");
     CHECK(run.code == 130);
     CHECK(!std::filesystem::exists(folder.path() / "o"));
 }

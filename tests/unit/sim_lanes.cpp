@@ -92,8 +92,7 @@ void check_binary(const char* name, const LaneOp& op, const ScalarOp& expected) 
 
 template <class Lanes, class LaneOp, class ScalarOp>
 void check_unary(const char* name, const LaneOp& op, const ScalarOp& expected) {
-    check_binary<Lanes>(
-        name, [&](const Lanes& a, const Lanes&) { return op(a); }, [&](auto a, auto) { return expected(a); });
+    check_binary<Lanes>(name, [&](const Lanes& a, const Lanes&) { return op(a); }, [&](auto a, auto) { return expected(a); });
 }
 
 /// The rules of min and max: a NaN operand gives the other; of two zeros, the second. D3D11.3 3.1.3.1
@@ -113,48 +112,28 @@ Scalar rule_max(Scalar a, Scalar b) {
 template <class Lanes>
 void check_real_operations() {
     using S = typename Lanes::Scalar;
-    check_binary<Lanes>(
-        "+", [](Lanes a, Lanes b) { return a + b; }, [](S a, S b) { return a + b; });
-    check_binary<Lanes>(
-        "-", [](Lanes a, Lanes b) { return a - b; }, [](S a, S b) { return a - b; });
-    check_binary<Lanes>(
-        "*", [](Lanes a, Lanes b) { return a * b; }, [](S a, S b) { return a * b; });
-    check_binary<Lanes>(
-        "/", [](Lanes a, Lanes b) { return a / b; }, [](S a, S b) { return a / b; });
-    check_binary<Lanes>(
-        "+=", [](Lanes a, Lanes b) { return a += b; }, [](S a, S b) { return a + b; });
-    check_binary<Lanes>(
-        "-=", [](Lanes a, Lanes b) { return a -= b; }, [](S a, S b) { return a - b; });
-    check_binary<Lanes>(
-        "*=", [](Lanes a, Lanes b) { return a *= b; }, [](S a, S b) { return a * b; });
-    check_unary<Lanes>(
-        "negate", [](Lanes a) { return -a; }, [](S a) { return -a; });
-    check_binary<Lanes>(
-        "<", [](Lanes a, Lanes b) { return a < b; }, [](S a, S b) { return a < b; });
-    check_binary<Lanes>(
-        ">", [](Lanes a, Lanes b) { return a > b; }, [](S a, S b) { return a > b; });
-    check_binary<Lanes>(
-        "<=", [](Lanes a, Lanes b) { return a <= b; }, [](S a, S b) { return a <= b; });
-    check_binary<Lanes>(
-        ">=", [](Lanes a, Lanes b) { return a >= b; }, [](S a, S b) { return a >= b; });
-    check_binary<Lanes>(
-        "==", [](Lanes a, Lanes b) { return a == b; }, [](S a, S b) { return a == b; });
-    check_binary<Lanes>(
-        "!=", [](Lanes a, Lanes b) { return a != b; }, [](S a, S b) { return a != b; });
-    check_binary<Lanes>(
-        "min", [](Lanes a, Lanes b) { return min(a, b); }, [](S a, S b) { return rule_min(a, b); });
-    check_binary<Lanes>(
-        "max", [](Lanes a, Lanes b) { return max(a, b); }, [](S a, S b) { return rule_max(a, b); });
-    check_unary<Lanes>(
-        "is_nan", [](Lanes a) { return is_nan(a); }, [](S a) { return a != a; });
+    check_binary<Lanes>("+", [](Lanes a, Lanes b) { return a + b; }, [](S a, S b) { return a + b; });
+    check_binary<Lanes>("-", [](Lanes a, Lanes b) { return a - b; }, [](S a, S b) { return a - b; });
+    check_binary<Lanes>("*", [](Lanes a, Lanes b) { return a * b; }, [](S a, S b) { return a * b; });
+    check_binary<Lanes>("/", [](Lanes a, Lanes b) { return a / b; }, [](S a, S b) { return a / b; });
+    check_binary<Lanes>("+=", [](Lanes a, Lanes b) { return a += b; }, [](S a, S b) { return a + b; });
+    check_binary<Lanes>("-=", [](Lanes a, Lanes b) { return a -= b; }, [](S a, S b) { return a - b; });
+    check_binary<Lanes>("*=", [](Lanes a, Lanes b) { return a *= b; }, [](S a, S b) { return a * b; });
+    check_unary<Lanes>("negate", [](Lanes a) { return -a; }, [](S a) { return -a; });
+    check_binary<Lanes>("<", [](Lanes a, Lanes b) { return a < b; }, [](S a, S b) { return a < b; });
+    check_binary<Lanes>(">", [](Lanes a, Lanes b) { return a > b; }, [](S a, S b) { return a > b; });
+    check_binary<Lanes>("<=", [](Lanes a, Lanes b) { return a <= b; }, [](S a, S b) { return a <= b; });
+    check_binary<Lanes>(">=", [](Lanes a, Lanes b) { return a >= b; }, [](S a, S b) { return a >= b; });
+    check_binary<Lanes>("==", [](Lanes a, Lanes b) { return a == b; }, [](S a, S b) { return a == b; });
+    check_binary<Lanes>("!=", [](Lanes a, Lanes b) { return a != b; }, [](S a, S b) { return a != b; });
+    check_binary<Lanes>("min", [](Lanes a, Lanes b) { return min(a, b); }, [](S a, S b) { return rule_min(a, b); });
+    check_binary<Lanes>("max", [](Lanes a, Lanes b) { return max(a, b); }, [](S a, S b) { return rule_max(a, b); });
+    check_unary<Lanes>("is_nan", [](Lanes a) { return is_nan(a); }, [](S a) { return a != a; });
     check_unary<Lanes>(
         "saturate", [](Lanes a) { return saturate(a); }, [](S a) { return a > S(0) ? (a < S(1) ? a : S(1)) : S(0); });
-    check_unary<Lanes>(
-        "abs", [](Lanes a) { return abs(a); }, [](S a) { return std::fabs(a); });
-    check_unary<Lanes>(
-        "sqrt", [](Lanes a) { return sqrt(a); }, [](S a) { return std::sqrt(a); });
-    check_unary<Lanes>(
-        "floor", [](Lanes a) { return floor(a); }, [](S a) { return std::floor(a); });
+    check_unary<Lanes>("abs", [](Lanes a) { return abs(a); }, [](S a) { return std::fabs(a); });
+    check_unary<Lanes>("sqrt", [](Lanes a) { return sqrt(a); }, [](S a) { return std::sqrt(a); });
+    check_unary<Lanes>("floor", [](Lanes a) { return floor(a); }, [](S a) { return std::floor(a); });
 }
 
 std::int32_t truncated(float x, double limit) {
@@ -167,10 +146,8 @@ std::int32_t truncated(float x, double limit) {
 
 TEST_CASE("Float operations are IEEE fp32, one rounding each", "[lanes]") {
     check_real_operations<Float>();
-    check_unary<Float>(
-        "round", [](Float a) { return round(a); }, [](float a) { return std::nearbyint(a); });
-    check_unary<Float>(
-        "bits", [](Float a) { return float_of_bits(bits_of(a)); }, [](float a) { return a; });
+    check_unary<Float>("round", [](Float a) { return round(a); }, [](float a) { return std::nearbyint(a); });
+    check_unary<Float>("bits", [](Float a) { return float_of_bits(bits_of(a)); }, [](float a) { return a; });
 }
 
 TEST_CASE("Double operations are IEEE fp64", "[lanes]") { check_real_operations<Double>(); }

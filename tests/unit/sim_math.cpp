@@ -107,12 +107,12 @@ TEST_CASE("rcp, rsqrt, exp2 and log2 stay within their stated errors", "[math][2
 TEST_CASE("rcp, rsqrt, exp2 and log2 over every mantissa and all exponents", "[.][sweep][math]") {
     check_all(29);
     // Every float of the binades that the others are scaled copies of.
-    const Worst r = sweep(
-        bits(1.0f), bits(2.0f), 1, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
+    const Worst r =
+        sweep(bits(1.0f), bits(2.0f), 1, [](Float x) { return rcp(x); }, [](long double x) { return 1 / x; }, ulp_of);
     const Worst s = sweep(
         bits(1.0f), bits(4.0f), 1, [](Float x) { return rsqrt(x); }, [](long double x) { return 1 / std::sqrt(x); }, ulp_of);
-    const Worst e = sweep(
-        bits(0.25f), bits(1.0f), 1, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
+    const Worst e =
+        sweep(bits(0.25f), bits(1.0f), 1, [](Float x) { return exp2(x); }, [](long double x) { return std::exp2(x); }, ulp_of);
     const Worst l = sweep(
         bits(0.5f), bits(2.0f), 1, [](Float x) { return log2(x); }, [](long double x) { return std::log2(x); },
         [](long double) { return 0x1p-24L; });
