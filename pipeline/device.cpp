@@ -34,8 +34,8 @@ Device::Device(Profile profile, int threads)
 Device::~Device() = default;
 
 void Device::execute(const Command& command) {
-    if (observer_) observer_(command);
     std::visit([this](const auto& c) { run(c); }, command);
+    if (observer_) observer_(command);
 }
 
 BufferId Device::create_buffer(std::string_view label, std::span<const std::byte> data) {

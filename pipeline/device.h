@@ -34,7 +34,7 @@ public:
 
     /// Does what the command says. Throws Error for anything out of range; the device is unchanged then.
     void execute(const Command& command);
-    /// Called with every command before it executes.
+    /// Called with every command that executed; one that the device refused is not seen.
     void set_observer(std::function<void(const Command&)> observer) { observer_ = std::move(observer); }
 
     /// Shorthands that pick the next id.

@@ -46,6 +46,7 @@ void shade_vertices(const VertexFunctor& functor, std::span<const float> buffer,
     constexpr std::size_t kInputs = kRealCount<Input, Real>;
     constexpr std::size_t kVaryings = kRealCount<Varyings, Real>;
     constexpr std::uint32_t kPiece = 512;
+    static_assert(kInputs > 0, "a vertex functor reads at least one number per vertex");
     static_assert(sizeof(Input) == kInputs * sizeof(Real));
 
     out.stride = kPositionScalars + static_cast<int>(kVaryings);

@@ -71,15 +71,19 @@ inline Float log2(Float x) {
 /// The same in double, through scalar_math.h.
 inline Double exp2(const Double& x) {
     return Double::map([&](std::size_t i) {
-        if (x.v[i] != x.v[i] || x.v[i] > 1000.0) return x.v[i] > 1000.0 ? HUGE_VAL : x.v[i];
-        return x.v[i] < -1000.0 ? 0.0 : scalar::exp2(x.v[i]);
+        if (x.v[i] != x.v[i]) return x.v[i];
+        if (x.v[i] >= -1000.0 && x.v[i] <= 1000.0) return scalar::exp2(x.v[i]);
+        // Near the ends of the range in two halves, which overflow and underflow as they should.
+        const double half = scalar::exp2(0.5 * (x.v[i] < -1100.0 ? -1100.0 : x.v[i] > 1100.0 ? 1100.0 : x.v[i]));
+        return half * half;
     });
 }
 inline Double log2(const Double& x) {
     return Double::map([&](std::size_t i) {
         if (x.v[i] == 0.0) return -HUGE_VAL;
         if (!(x.v[i] > 0.0)) return std::nan("");
-        return x.v[i] == HUGE_VAL ? HUGE_VAL : scalar::log2(x.v[i]);
+        if (x.v[i] == HUGE_VAL) return HUGE_VAL;
+        return x.v[i] < 0x1p-1022 ? scalar::log2(x.v[i] * 0x1p54) - 54.0 : scalar::log2(x.v[i]);
     });
 }
 

@@ -98,6 +98,10 @@ Profile profile_from_json(std::string_view text, std::string_view where) {
         if (!found) fail("{}: base: '{}' is not a preset; see 'gnomon list profiles'", where, wanted);
     }
 
+    // What differs from a preset does not go by its name: by the file's, unless it says another.
+    profile.summary = "changed from " + profile.name;
+    profile.name = std::filesystem::path(where).stem().string();
+
     // Take what the object mentions, and nothing that no field has.
     std::size_t known = json.contains("base") ? 1 : 0;
     for_each_field(profile, [&](std::string_view name, auto& value) {

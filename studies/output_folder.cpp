@@ -79,7 +79,13 @@ OutputFolder::OutputFolder(const fs::path& path)
     : path_(plain(path, out_option(path))), parents_(path_.parent_path(), out_option(path)) {
     std::error_code ignored;
     if (fs::exists(path_, ignored) && !is_folder(path_)) fail("{}: exists and is not a folder", out_option(path));
+    if (fs::is_symlink(path_, ignored) && !is_folder(path_)) fail("{}: is a link to nothing", out_option(path));
     staging_ = make_staging(path_, out_option(path));
+}
+
+void OutputFolder::check_replaceable(const std::vector<std::string>& owned) const {
+    for (const std::string& name : owned)
+        if (is_folder(path_ / name)) fail("{}: {} is a folder there, expected a file to replace", out_option(path_), name);
 }
 
 OutputFolder::~OutputFolder() {
@@ -88,6 +94,8 @@ OutputFolder::~OutputFolder() {
 }
 
 void OutputFolder::commit(const std::vector<std::string>& owned) {
+    check_replaceable(owned);
+
     // A new folder appears with all its files at once.
     std::error_code error;
     if (!fs::exists(path_, error)) {

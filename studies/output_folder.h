@@ -32,6 +32,9 @@ public:
     /// Where a file is to be written before commit().
     [[nodiscard]] std::filesystem::path file(const std::string& name) const { return staging_ / name; }
 
+    /// Throws Error when one of the names is a folder already, so that commit() could not replace it.
+    void check_replaceable(const std::vector<std::string>& owned) const;
+
     /// Moves every prepared file into the folder. Of the names in `owned`, those that were not prepared now are removed: they
     /// are left from an earlier run. The last of `owned` vanishes first and comes last, so where it is, the others fit to it.
     void commit(const std::vector<std::string>& owned);

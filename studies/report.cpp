@@ -20,9 +20,11 @@ Json configuration_json(const RenderResult& result) {
     json["size"] = {request.width, request.height};
     json["format"] = name_of(result.settings.format);
     json["filter"] = name_of(result.settings.filter);
-    json["taps"] = result.settings.taps;
-    json["blur"] = result.settings.blur;
-    json["min_variance"] = json_of(result.settings.min_variance);
+    // null: the technique does not take the option
+    const techniques::Technique& technique = techniques::find_technique(request.technique);
+    json["taps"] = technique.max_taps > 0 ? Json(result.settings.taps) : Json();
+    json["blur"] = technique.max_blur > 0 ? Json(result.settings.blur) : Json();
+    json["min_variance"] = technique.default_min_variance > 0 ? json_of(result.settings.min_variance) : Json();
     json["depth_bias"] = result.settings.depth_bias;
     json["slope_bias"] = json_of(result.settings.slope_bias);
     json["reference"] = name_of(request.truth);

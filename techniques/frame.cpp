@@ -18,7 +18,7 @@ Lighting make_lighting(const scenes::Light& light, const scenes::View& view) {
         lighting.light_position = glm::vec4(-view.direction_ws, 0.0f);
         return lighting;
     }
-    // Attenuation from the inner to the outer cone as in KHR_lights_punctual, with the inner cone at 0.85 of the outer one.
+    // From full light inside 0.85 of the outer angle to none outside of it: for the eye; visibility knows nothing of the cone.
     lighting.light_position = glm::vec4(view.position_ws, 1.0f);
     const double outer = scalar::cos(static_cast<double>(light.outer_cone_rad));
     const double inner = scalar::cos(0.85 * static_cast<double>(light.outer_cone_rad));

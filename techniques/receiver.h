@@ -49,7 +49,7 @@ struct ReceiverVertex {
     }
 };
 
-/// Lambert under one light, with a spot's cone fading as KHR_lights_punctual says.
+/// Lambert under one light. A spot fades linearly in the cosine of the angle from its axis between an inner and its outer cone.
 struct Lighting {
     glm::vec3 base_color{0.8f};                        // linear
     glm::vec3 light_color{1.0f};                       // linear

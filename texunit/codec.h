@@ -91,16 +91,20 @@ struct Codec {
         }
     }
 
+    /// DEVIATION(D3D11.3 19.1.2): a NaN is stored as the one quiet NaN without sign: which payload and sign arithmetic gives it differs between processors
+    /// and with the order a compiler puts operands in. D3D11.3 3.2.2 asks only that NaN stays NaN.
     template <class Real>
     static Int code_of(const Real& x, Narrowing narrowing) {
         if constexpr (kIsUnorm) {
             return unorm_from_float(x, kBits);
         } else if constexpr (kType == ComponentType::Float16) {
-            return half_bits_from_float(to_float(x), narrowing);
+            const Float value = to_float(x);
+            return select(is_nan(value), Int(0x7e00), half_bits_from_float(value, narrowing));
         } else if constexpr (kType == ComponentType::Depth32) {
             return bits_of(to_float(x) + Float(0.0f));  // -0 becomes +0, so that the codes order as the depths do
         } else {
-            return bits_of(to_float(x));
+            const Float value = to_float(x);
+            return select(is_nan(value), Int(0x7fc00000), bits_of(value));
         }
     }
 };

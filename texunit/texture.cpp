@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t even(int size) { return size + (size & 1); }
 constexpr std::int64_t aligned(std::int64_t bytes) { return (bytes + 63) & ~std::int64_t{63}; }
-constexpr std::int64_t kTail = 64;  // gathers read 32 bits from any byte of the last texel
+constexpr std::int64_t kTail = 4;  // gathers read 32 bits from any byte of a level's last texel
 
 }  // namespace
 
@@ -25,8 +25,8 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
     for (int level = 0; level < desc.levels; ++level) {
         const auto l = static_cast<std::size_t>(level);
         const std::int64_t pitch = even(width(level)) * info().bytes_per_texel;
-        const std::int64_t bytes = aligned(pitch * even(height(level)));
-        if (offset + bytes + kTail > std::numeric_limits<std::int32_t>::max())
+        const std::int64_t bytes = aligned(pitch * even(height(level)) + kTail);
+        if (offset + bytes > std::numeric_limits<std::int32_t>::max())
             fail("texture of {}x{} texels in {}: larger than 2 GiB", desc.width, desc.height, info().name);
         table_.offset[l] = static_cast<std::int32_t>(offset);
         table_.pitch[l] = static_cast<std::int32_t>(pitch);
@@ -35,7 +35,7 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
         offset += bytes;
     }
 
-    size_ = static_cast<std::size_t>(offset + kTail);
+    size_ = static_cast<std::size_t>(offset);
     bytes_ = hwy::AllocateAligned<std::byte>(size_);
     if (!bytes_) fail("texture of {}x{} texels in {}: not enough memory", desc.width, desc.height, info().name);
     std::memset(bytes_.get(), 0, size_);

@@ -39,7 +39,11 @@ int run(int argc, char** argv) {
     gnomon::cli::add_export(app);
     gnomon::cli::add_contact_sheet(app);
     try {
+        const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+        if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), is_named))
+            return complain(fmt::format("'{}' is not a command; expected list, render, export or contact-sheet", argv[1]));
         app.parse(argc, argv);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("the output cannot be written to stdout");
         return 0;
     } catch (const CLI::Success& asked_for_help) {
         return app.exit(asked_for_help);

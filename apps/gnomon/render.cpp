@@ -54,6 +54,7 @@ void print_result(const studies::RenderResult& result, const RenderOptions& opti
 /// One technique straight into the folder.
 void render_one(studies::Experiment& experiment, const RenderOptions& options) {
     studies::OutputFolder folder(options.out);
+    folder.check_replaceable(studies::result_file_names());
     std::optional<CommandLogFile> log;
     if (!options.log_commands.empty()) log.emplace(options.log_commands);
     std::optional<studies::RenderResult> result;
@@ -77,7 +78,8 @@ void render_one(studies::Experiment& experiment, const RenderOptions& options) {
 void render_all(studies::Experiment& experiment, const RenderOptions& options) {
     const auto folder_of = [&](const studies::PlannedRun& run) { return fs::path(options.out) / run.technique.name; };
     const studies::CreatedFolders root(options.out, "--out " + options.out);
-    for (const studies::PlannedRun& run : experiment.runs()) const studies::OutputFolder can_be_written(folder_of(run));
+    for (const studies::PlannedRun& run : experiment.runs())
+        studies::OutputFolder(folder_of(run)).check_replaceable(studies::result_file_names());
 
     std::vector<studies::RenderResult> results;
     for (const studies::PlannedRun& run : experiment.runs()) {
@@ -153,7 +155,7 @@ void add_technique_options(CLI::App& command, RenderOptions& options) {
     const auto add = [&](const std::string& name, const char* type, const std::string& help, auto take) {
         command.add_option_function<std::string>(name, take, help)->type_name(type)->group(kGroup);
     };
-    command.add_option("--technique", options.request.technique, "Shadow technique, or 'all'")
+    command.add_option("--technique", options.request.technique, "Shadow technique, or 'all': then an option that a technique does not take leaves it at its default")
         ->type_name("NAME|all")
         ->required()
         ->group(kGroup);

@@ -68,13 +68,22 @@ TEST_CASE("every field round-trips when it differs from the default", "[profile]
 }
 
 TEST_CASE("a base gives what is not mentioned", "[profile]") {
-    Profile expected = load_profile("ideal");
+    // What differs from a preset does not go by its name.
+    const auto changed = [](const char* preset) {
+        Profile profile = load_profile(preset);
+        profile.name = "mine";
+        profile.summary = std::string("changed from ") + preset;
+        return profile;
+    };
+    Profile expected = changed("ideal");
     expected.raster_subpixel_bits = 4;
-    CHECK(profile_from_json(R"({"base": "ideal", "raster_subpixel_bits": 4})", "x") == expected);
-    expected = load_profile("d3d11");
+    CHECK(profile_from_json(R"({"base": "ideal", "raster_subpixel_bits": 4})", "folder/mine.json") == expected);
+    expected = changed("d3d11");
     expected.lod_fraction_bits = kExactBits;
-    CHECK(profile_from_json(R"({"lod_fraction_bits": "exact"})", "x") == expected);
-    CHECK(profile_from_json("{}", "x") == load_profile("d3d11"));
+    CHECK(profile_from_json(R"({"lod_fraction_bits": "exact"})", "mine.json") == expected);
+    CHECK(profile_from_json("{}", "mine.json") == changed("d3d11"));
+    expected.name = "told";
+    CHECK(profile_from_json(R"({"lod_fraction_bits": "exact", "name": "told"})", "mine.json") == expected);
 }
 
 TEST_CASE("mistakes in profiles are named", "[profile][errors]") {
