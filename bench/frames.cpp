@@ -32,7 +32,8 @@ struct Workload {
     std::string name;
     std::string technique;
     techniques::TechniqueRequest request;
-    peer::TechniqueOptions peer;
+    std::optional<peer::TechniqueOptions> peer;  // none: Gnomon alone
+    std::string profile = "d3d11";
 };
 
 std::vector<Workload> make_workloads(int map) {
@@ -64,6 +65,7 @@ std::vector<Workload> make_workloads(int map) {
         {"vsm rg32f trilinear", "vsm", {.map_size = map}, vsm(MomentFormat::Rg32f, trilinear, 1)},
         {"vsm rg16f trilinear", "vsm", {.map_size = map, .format = Format::Rg16Float}, vsm(MomentFormat::Rg16f, trilinear, 1)},
         {"vsm rg32f trilinear, blur 3", "vsm", {.map_size = map, .blur = 3}, vsm(MomentFormat::Rg32f, trilinear, 3)},
+        {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
     };
 }
 
@@ -76,11 +78,11 @@ struct Contender {
 
 Contender gnomon_contender(const scenes::Scene& scene, const Workload& workload, const Options& options) {
     struct State {
-        explicit State(int threads) : device(load_profile("d3d11"), threads) {}
+        State(const std::string& profile, int threads) : device(load_profile(profile), threads) {}
         Device device;
         std::optional<techniques::Frame> frame{};
     };
-    auto state = std::make_shared<State>(options.threads);
+    auto state = std::make_shared<State>(workload.profile, options.threads);
     techniques::FrameDesc desc{
         .width = options.width, .height = options.height, .technique = techniques::find_technique(workload.technique)};
     desc.settings = techniques::resolve_settings(desc.technique, workload.request);
@@ -104,9 +106,10 @@ void compare(const scenes::Scene& scene, const Workload& workload, std::vector<s
              const Options& options) {
     std::vector<Contender> contenders{gnomon_contender(scene, workload, options)};
     for (auto& [name, machine] : peers) {
+        if (!workload.peer) break;
         peer::Frame frame =
             peer::scene_frame(scene, static_cast<std::uint32_t>(options.width), static_cast<std::uint32_t>(options.height));
-        frame.technique = workload.peer;
+        frame.technique = *workload.peer;
         try {
             auto renderer = std::make_shared<peer::FrameRenderer>(machine, frame);
             contenders.push_back({name, [renderer](int frames) { return renderer->time_frames(0, frames); }, {}});

@@ -34,6 +34,8 @@ endif()
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     # clang 19 spells out AVX10 for -march=native on newer processors and then warns about its own spelling.
     add_compile_options(-Wno-invalid-feature-combination)
+    # Profiles may flush denormals: clang must not turn comparisons into tests of bits as if nobody did.
+    add_compile_options(-fdenormal-fp-math=dynamic)
 endif()
 
 set(GNOMON_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")

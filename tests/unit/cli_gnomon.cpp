@@ -94,7 +94,7 @@ TEST_CASE("an exported scene renders the same bytes", "[cli]") {
     }
 }
 
-TEST_CASE("--technique all has a folder per technique, and a contact sheet shows them", "[cli]") {
+TEST_CASE("technique all has a folder per technique, and a contact sheet shows them", "[cli]") {
     const TemporaryFolder folder;
     REQUIRE(gnomon_run(folder, "render --scene planes --technique all --size 64x48 --map 64 --out o/planes").code == 0);
     CHECK(files_in(folder.path() / "o/planes") == std::set<std::string>{"shadow-map", "pcf", "vsm"});

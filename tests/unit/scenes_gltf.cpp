@@ -122,7 +122,7 @@ TEST_CASE("cameras and lights of the file are used, and sensible ones where it h
     CHECK(given.light.color == glm::vec3(1, 0.5, 0.25));
 }
 
-TEST_CASE("--ground adds a plane at the lowest point and changes neither camera nor light", "[scenes][gltf]") {
+TEST_CASE("a ground adds a plane at the lowest point and changes neither camera nor light", "[scenes][gltf]") {
     const TemporaryFolder folder;
     const auto file = folder.write("test.gltf", make_gltf(kQuad, kNoIndices, 6).str());
     const Scene without = load_gltf(file);
