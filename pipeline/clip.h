@@ -33,7 +33,7 @@ inline constexpr unsigned kClipPlanes =
     kOutsideNear | kOutsideFar | kOutsideLeft | kOutsideRight | kOutsideBottom | kOutsideTop;
 
 template <class Scalar>
-unsigned clip_code(const Scalar* v, const GuardBand<Scalar>& guard) {
+unsigned clip_code(const Scalar* v, const GuardBand<double>& guard) {
     const Scalar x = v[0];
     const Scalar y = v[1];
     const Scalar z = v[2];
@@ -43,10 +43,14 @@ unsigned clip_code(const Scalar* v, const GuardBand<Scalar>& guard) {
     unsigned code = 0;
     if (z < 0) code |= kOutsideNear;
     if (z > w) code |= kOutsideFar;
-    if (x < -guard.left * w) code |= kOutsideLeft;
-    if (x > guard.right * w) code |= kOutsideRight;
-    if (y < -guard.bottom * w) code |= kOutsideBottom;
-    if (y > guard.top * w) code |= kOutsideTop;
+    // In double, as clip() cuts: two triangles must not disagree about a vertex next to the plane.
+    const auto wide_x = static_cast<double>(x);
+    const auto wide_y = static_cast<double>(y);
+    const auto wide_w = static_cast<double>(w);
+    if (wide_x < -guard.left * wide_w) code |= kOutsideLeft;
+    if (wide_x > guard.right * wide_w) code |= kOutsideRight;
+    if (wide_y < -guard.bottom * wide_w) code |= kOutsideBottom;
+    if (wide_y > guard.top * wide_w) code |= kOutsideTop;
     if (x < -w) code |= kBeyondLeft;
     if (x > w) code |= kBeyondRight;
     if (y < -w) code |= kBeyondBottom;

@@ -103,6 +103,8 @@ void Device::run(const ClearDepth& command) {
     Texture& texture = mutable_texture(command.id);
     if (!texture.info().is_depth)
         fail("texture {}: cleared to a depth, but its format is {}", static_cast<std::size_t>(command.id), texture.info().name);
+    if (!(command.value >= 0.0f && command.value <= 1.0f))
+        fail("texture {}: cleared to depth {}, expected 0 to 1", static_cast<std::size_t>(command.id), command.value);
     with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
         typename AnyCodec::Words words;
         words[0] = Int(depth_code_scalar(command.value, texture.info().type));
@@ -208,6 +210,7 @@ void Device::run(const Draw& draw) {
         .tiles_x = (sized->width(0) + kTileSize - 1) / kTileSize,
         .tiles_y = (sized->height(0) + kTileSize - 1) / kTileSize,
         .counters = counting_ ? &counters_ : nullptr,
+        .stop = stop_,
     };
     program.run(context);
 }

@@ -7,6 +7,7 @@
 #include "sim/parallel.h"
 #include "sim/profile.h"
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -45,6 +46,10 @@ public:
     [[nodiscard]] const Texture& texture(TextureId id) const;
     [[nodiscard]] const Buffer& buffer(BufferId id) const;
 
+    /// Where `stop` becomes true, the draw under way ends at the next tile and execute() throws Stopped; targets are unfinished
+    /// then.
+    void set_stop(const std::atomic<bool>* stop) { stop_ = stop; }
+
     /// Counting is off until asked for. Counters add up over draws until taken.
     void enable_counters(bool enabled) { counting_ = enabled; }
     Counters take_counters() { return std::exchange(counters_, {}); }
@@ -65,6 +70,7 @@ private:
     std::vector<std::unique_ptr<Texture>> textures_;  // [id - 1]
     std::function<void(const Command&)> observer_;
     std::unique_ptr<DrawScratch> scratch_;
+    const std::atomic<bool>* stop_ = nullptr;
     bool counting_ = false;
     Counters counters_;
 };

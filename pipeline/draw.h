@@ -49,6 +49,7 @@ struct DrawContext {
     int tiles_x = 0;
     int tiles_y = 0;
     Counters* counters = nullptr;
+    const std::atomic<bool>* stop = nullptr;
 };
 
 template <class Real, class VertexFunctor, class PixelFunctor>
@@ -67,6 +68,7 @@ void run_draw(const DrawContext& context, const VertexFunctor& vertex_functor, c
     // Tiles in parallel; each pixel belongs to one tile, and each tile keeps primitive order.
     std::mutex counters_mutex;
     context.workers.for_each(binned.busy_tiles.size(), [&](std::size_t i) {
+        if (context.stop != nullptr && context.stop->load(std::memory_order_relaxed)) throw Stopped();
         const DenormalScope denormals(flush);
         const std::uint32_t tile = binned.busy_tiles[i];
         const int tile_x = static_cast<int>(tile) % context.tiles_x * kTileSize;

@@ -43,7 +43,7 @@ template <class Scalar>
 class ChunkBuilder {
 public:
     ChunkBuilder(const VertexBlock<Scalar>& vertices, const SetupState& state, int tiles_x, TriangleChunk<Scalar>& chunk)
-        : vertices_(vertices), state_(state), guard_(guard_band<Scalar>(state.viewport)), tiles_x_(tiles_x), chunk_(chunk) {}
+        : vertices_(vertices), state_(state), guard_(guard_band<double>(state.viewport)), tiles_x_(tiles_x), chunk_(chunk) {}
 
     void add(std::uint32_t i0, std::uint32_t i1, std::uint32_t i2) {
         ++chunk_.counters.primitives_in;
@@ -81,7 +81,7 @@ private:
         polygon_.stride = stride;
         polygon_.vertices.clear();
         for (const Scalar* corner : corners) polygon_.vertices.insert(polygon_.vertices.end(), corner, corner + stride);
-        clip(polygon_, planes, guard_band<double>(state_.viewport));
+        clip(polygon_, planes, guard_);
         if (polygon_.count() < 3) return false;
 
         // The polygon's vertices stay with the chunk; its triangles follow from where they snap to.
@@ -102,7 +102,7 @@ private:
 
     const VertexBlock<Scalar>& vertices_;
     const SetupState& state_;
-    GuardBand<Scalar> guard_;
+    GuardBand<double> guard_;
     int tiles_x_;
     TriangleChunk<Scalar>& chunk_;
     ClipPolygon polygon_;

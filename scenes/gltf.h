@@ -16,8 +16,8 @@ struct GltfOptions {
 /// supported (skins, morph targets, Draco, textures). A camera or light that the file lacks is chosen from the bounds.
 Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options = {});
 
-/// Writes a .glb that load_gltf reads back to the same scene, bit for bit. Throws Error when the file cannot be written;
-/// nothing half-written stays.
+/// Writes a .glb that load_gltf reads back to the same scene, bit for bit. Throws Error when the file cannot be written and
+/// removes it then; to replace a file in one step, write beside it and rename (studies::OutputFile).
 void save_glb(const Scene& scene, const std::filesystem::path& path);
 
 }  // namespace gnomon::scenes

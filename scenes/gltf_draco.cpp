@@ -1,7 +1,5 @@
 #include "scenes/gltf_draco.h"
 
-#include "sim/warn.h"
-
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
@@ -56,7 +54,7 @@ void append_word(std::vector<unsigned char>& bytes, std::size_t value) {
 
 }  // namespace
 
-void drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary, const std::string& file) {
+bool drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary) {
     // GLB: 12 bytes of header, then the JSON chunk behind its length and type. glTF 2.0 section 4.4
     std::size_t begin = 0;
     std::size_t size = bytes.size();
@@ -67,15 +65,14 @@ void drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary, const
         size = length;
     }
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + begin, size);
-    if (text.find(kExtension) == std::string_view::npos) return;
+    if (text.find(kExtension) == std::string_view::npos) return false;
     auto gltf = nlohmann::json::parse(text, nullptr, false);
-    if (!gltf.is_object() || !drop_primitives(gltf)) return;
-    warn_once(file + ": Draco compression is not supported; meshes without a fallback are left out");
+    if (!gltf.is_object() || !drop_primitives(gltf)) return false;
 
     std::string rewritten = gltf.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     if (!binary) {
         bytes.assign(rewritten.begin(), rewritten.end());
-        return;
+        return true;
     }
     rewritten.resize((rewritten.size() + 3) / 4 * 4, ' ');
     std::vector<unsigned char> out(bytes.begin(), bytes.begin() + 8);
@@ -85,6 +82,7 @@ void drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary, const
     out.insert(out.end(), rewritten.begin(), rewritten.end());
     out.insert(out.end(), bytes.begin() + static_cast<std::ptrdiff_t>(begin + size), bytes.end());
     bytes = std::move(out);
+    return true;
 }
 
 }  // namespace gnomon::scenes

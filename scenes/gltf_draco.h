@@ -7,8 +7,8 @@
 
 namespace gnomon::scenes {
 
-/// Removes from a .gltf or .glb in memory every Draco-compressed primitive that has no uncompressed fallback, and warns once.
-/// Leaves anything that is not a well-formed file as it is: the parser will say what is wrong with it.
-void drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary, const std::string& file);
+/// Removes from a .gltf or .glb in memory every Draco-compressed primitive that has no uncompressed fallback; true if there was
+/// one. Leaves anything that is not a well-formed file as it is: the parser will say what is wrong with it.
+bool drop_draco_primitives(std::vector<unsigned char>& bytes, bool binary);
 
 }  // namespace gnomon::scenes

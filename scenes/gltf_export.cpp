@@ -142,25 +142,13 @@ void save_glb(const Scene& scene, const std::filesystem::path& path) {
         fail("{}: the scene cannot be written as glTF", path.string());
     const std::string bytes = stream.str();
 
-    // Through a temporary file, so that nothing half-written stays under the name asked for.
-    std::filesystem::path temporary = path;
-    temporary += ".partial";
-    {
-        std::ofstream file(temporary, std::ios::binary);
-        file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-        file.flush();
-        if (!file) {
-            std::error_code ignored;
-            std::filesystem::remove(temporary, ignored);
-            fail("{}: cannot be written", path.string());
-        }
-    }
-    std::error_code error;
-    std::filesystem::rename(temporary, path, error);
-    if (!error) return;
+    std::ofstream file(path, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    file.close();
+    if (file) return;
     std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    fail("{}: cannot be written: {}", path.string(), error.message());
+    std::filesystem::remove(path, ignored);
+    fail("{}: cannot be written", path.string());
 }
 
 }  // namespace gnomon::scenes

@@ -7,6 +7,7 @@
 #include "sim/warn.h"
 
 #include <tiny_gltf.h>
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
@@ -35,7 +36,9 @@ std::string first_line(const std::string& text) {
 }
 
 std::vector<unsigned char> read_file(const std::filesystem::path& path) {
-    if (std::filesystem::is_directory(path)) fail("{}: is a directory, expected a .gltf or .glb file", path.string());
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored))
+        fail("{}: is no regular file, expected a .gltf or .glb file", path.string());
     std::ifstream file(path, std::ios::binary);
     if (!file) fail("{}: cannot be read", path.string());
     std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
@@ -62,7 +65,7 @@ void check_nesting(const unsigned char* text, std::size_t size, const std::strin
     }
 }
 
-tinygltf::Model parse(const std::filesystem::path& path) {
+tinygltf::Model parse(const std::filesystem::path& path, std::vector<std::string>& notes) {
     const std::string file = path.string();
     auto bytes = read_file(path);
     const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
@@ -83,7 +86,8 @@ tinygltf::Model parse(const std::filesystem::path& path) {
         check_nesting(bytes.data(), bytes.size(), file);
     }
 
-    drop_draco_primitives(bytes, binary, file);
+    if (drop_draco_primitives(bytes, binary))
+        notes.push_back("Draco compression is not supported; meshes without a fallback are left out");
 
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
@@ -107,8 +111,8 @@ tinygltf::Model parse(const std::filesystem::path& path) {
     for (const std::string& extension : model.extensionsRequired)
         if (extension != "KHR_lights_punctual" && extension != "KHR_draco_mesh_compression" &&
             !extension.starts_with("KHR_materials"))
-            warn_once(file + ": required extension " + extension + " is not supported");
-    if (!model.animations.empty()) warn_once(file + ": animations are not supported; the scene stands still");
+            notes.push_back("required extension " + extension + " is not supported");
+    if (!model.animations.empty()) notes.push_back("animations are not supported; the scene stands still");
     return model;
 }
 
@@ -143,30 +147,34 @@ glm::dmat4 local_transform(const tinygltf::Node& node, const std::string& where)
     return transform;
 }
 
-/// The rotation and place of a transform whose axes may be scaled: what cameras and lights take from their node.
+/// The rotation and place of a transform that may scale, shear or mirror: what cameras and lights take from their node. Their
+/// direction, -z, stays; x and y are made perpendicular to it.
 glm::mat4 rigid(const glm::dmat4& m, const std::string& where) {
-    const glm::mat4 rounded(m);
-    glm::dmat4 out = m;
-    bool already = true;
-    for (int c = 0; c < 3; ++c) {
-        const glm::dvec3 axis(m[c]);
-        const double length2 = axis.x * axis.x + axis.y * axis.y + axis.z * axis.z;
-        if (!(length2 > 0)) fail("{}: the transform of a camera or light has no extent", where);
-        already = already && std::fabs(length2 - 1.0) < 1e-6;
-        out[c] = glm::dvec4(axis / std::sqrt(length2), 0.0);
-    }
-    return already ? rounded : glm::mat4(out);
+    const auto unit = [&](const glm::dvec3& v) {
+        const double length2 = glm::dot(v, v);
+        if (!(length2 > 1e-60)) fail("{}: the transform of a camera or light has no extent", where);
+        return v / std::sqrt(length2);
+    };
+    const glm::dvec3 z = unit(glm::dvec3(m[2]));
+    const glm::dvec3 y = unit(glm::dvec3(m[1]) - glm::dot(glm::dvec3(m[1]), z) * z);
+    const glm::dvec3 x = glm::cross(y, z);
+    // One that is rigid already keeps its bits.
+    const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::dot(a - b, a - b) < 1e-12; };
+    if (near(x, glm::dvec3(m[0])) && near(y, glm::dvec3(m[1])) && near(z, glm::dvec3(m[2]))) return glm::mat4(m);
+    return glm::mat4(glm::dmat4(glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), m[3]));
 }
 
 class Importer {
 public:
-    Importer(const tinygltf::Model& model, std::string file) : model_(model), file_(std::move(file)) {}
+    Importer(const tinygltf::Model& model, std::string file, std::vector<std::string>& notes)
+        : model_(model), file_(std::move(file)), notes_(notes) {}
 
     Scene run() {
         visit_roots();
         if (camera_) scene_.camera = *camera_;
         if (light_) scene_.light = *light_;
-        if (scene_.triangle_count() == 0) fail("{}: no triangles to render", file_);
+        if (scene_.triangle_count() == 0)
+            fail("{}: no triangles to render{}", file_, notes_.empty() ? "" : " (" + notes_.front() + ")");
         const Bounds box = scene_.bounds();
         for (int c = 0; c < 3; ++c)
             if (!std::isfinite(box.lower[c]) || !std::isfinite(box.upper[c]) || !std::isfinite(box.upper[c] - box.lower[c]))
@@ -231,12 +239,14 @@ private:
         for (int i = 0; i < 16; ++i)
             if (!std::isfinite(static_cast<float>(world[i / 4][i % 4])))
                 fail("{}: its transform overflows single precision", where);
-        if (node.skin >= 0) warn_once(file_ + ": skins are not supported; meshes keep their rest pose");
+        if (node.skin >= 0) notes_.push_back("skins are not supported; meshes keep their rest pose");
         if (node.mesh >= 0) add_mesh(node.mesh, world, where);
         if (node.camera >= 0 && !camera_) add_camera(node.camera, world, where);
         const auto light = node.extensions.find("KHR_lights_punctual");
-        if (light != node.extensions.end() && light->second.IsObject() && light->second.Has("light"))
+        if (light != node.extensions.end() && light->second.IsObject() && light->second.Has("light")) {
+            if (!light->second.Get("light").IsInt()) fail("{}: KHR_lights_punctual: light is no whole number", where);
             add_light(light->second.Get("light").GetNumberAsInt(), world, where);
+        }
     }
 
     void add_mesh(int index, const glm::dmat4& world, const std::string& where) {
@@ -250,7 +260,7 @@ private:
             if (known == meshes_.end()) {
                 std::string name = mesh.name.empty() ? fmt::format("mesh{}", index) : mesh.name;
                 if (mesh.primitives.size() > 1) name += fmt::format(".{}", p);
-                auto read = read_primitive(model_, mesh.primitives[p], name, mirrored, file_);
+                auto read = read_primitive(model_, mesh.primitives[p], name, mirrored, file_, notes_);
                 std::optional<std::uint32_t> place;
                 if (read && !read->indices.empty()) {
                     place = static_cast<std::uint32_t>(scene_.meshes.size());
@@ -271,19 +281,22 @@ private:
             fail("{}: camera {}, expected 0 to {}", where, index, static_cast<std::ptrdiff_t>(model_.cameras.size()) - 1);
         const tinygltf::Camera& camera = model_.cameras[static_cast<std::size_t>(index)];
         if (camera.type != "perspective") {
-            warn_once(file_ + ": orthographic cameras are not supported; one is chosen instead");
+            notes_.push_back("orthographic cameras are not supported; one is chosen instead");
             return;
         }
         const auto& lens = camera.perspective;
         // Without a far plane: far beyond anything. glTF 2.0 section 3.10.3
         const double zfar = lens.zfar > 0 ? lens.zfar : 10000.0 * lens.znear;
-        if (!(lens.yfov > 0 && lens.yfov < 3.1415 && lens.znear > 0 && zfar > lens.znear && std::isfinite(zfar)))
-            fail("{}: cameras[{}]: yfov {}, znear {}, zfar {}; expected 0 < yfov < pi and 0 < znear < zfar", where, index,
-                 lens.yfov, lens.znear, lens.zfar);
-        camera_ = Camera{.world_from_camera = rigid(world, where),
-                         .yfov_rad = static_cast<float>(lens.yfov),
-                         .znear = static_cast<float>(lens.znear),
-                         .zfar = static_cast<float>(zfar)};
+        const Camera narrowed{.world_from_camera = rigid(world, where),
+                              .yfov_rad = static_cast<float>(lens.yfov),
+                              .znear = static_cast<float>(lens.znear),
+                              .zfar = static_cast<float>(zfar)};
+        // What counts is what single precision makes of it: planes that differ by less than its step are one plane.
+        if (!(narrowed.yfov_rad > 1e-4f && narrowed.yfov_rad < 3.1415f && narrowed.znear > 1e-30f && narrowed.zfar < 1e30f &&
+              narrowed.zfar > narrowed.znear * 1.0001f))
+            fail("{}: cameras[{}]: yfov {}, znear {}, zfar {}; expected 0 < yfov < pi and 0 < znear < zfar in single precision",
+                 where, index, lens.yfov, lens.znear, lens.zfar);
+        camera_ = narrowed;
     }
 
     void add_light(int index, const glm::dmat4& world, const std::string& where) {
@@ -294,7 +307,7 @@ private:
         Light light{
             .kind = LightKind::Spot, .world_from_light = rigid(world, where), .outer_cone_rad = 0.5f, .color = glm::vec3(1.0f)};
         for (std::size_t c = 0; c < 3 && source.color.size() == 3; ++c) {
-            if (!(source.color[c] >= 0 && std::isfinite(source.color[c])))
+            if (!(source.color[c] >= 0 && source.color[c] < 1e30))
                 fail("{}: lights[{}]: colour {}, expected 0 or more", where, index, source.color[c]);
             light.color[static_cast<int>(c)] = static_cast<float>(source.color[c]);
         }
@@ -303,7 +316,7 @@ private:
             light_ = light;
         } else if (source.type == "spot") {
             const double outer = source.spot.outerConeAngle;
-            if (!(outer > 0 && outer < 1.5707963))
+            if (!(outer > 1e-4 && outer < 1.5707))
                 fail("{}: lights[{}]: outerConeAngle {}, expected more than 0 and less than pi/2", where, index, outer);
             light.outer_cone_rad = static_cast<float>(outer);
             light_ = light;
@@ -316,6 +329,7 @@ private:
 
     const tinygltf::Model& model_;
     std::string file_;
+    std::vector<std::string>& notes_;  // what is not supported and what was done instead
     Scene scene_;
     std::map<std::tuple<int, std::size_t, bool>, std::optional<std::uint32_t>> meshes_;
     std::size_t triangles_ = 0;
@@ -327,8 +341,9 @@ private:
 }  // namespace
 
 Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
-    const tinygltf::Model model = parse(path);
-    Importer importer(model, path.string());
+    std::vector<std::string> notes;
+    const tinygltf::Model model = parse(path, notes);
+    Importer importer(model, path.string(), notes);
     Scene scene = importer.run();
     scene.name = path.stem().string();
 
@@ -338,7 +353,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
     if (!importer.has_light() || options.automatic_view) {
         scene.light = automatic_light(box);
         if (const auto& point = importer.point_light(); point && !options.automatic_view) {
-            warn_once(path.string() + ": point lights are not supported; a spot at the same place is aimed at the scene");
+            notes.push_back("point lights are not supported; a spot at the same place is aimed at the scene");
             scene.light = spot_at(glm::dvec3(point->world_from_light[3]), box);
             scene.light.color = point->color;
         }
@@ -347,6 +362,7 @@ Scene load_gltf(const std::filesystem::path& path, const GltfOptions& options) {
         scene.meshes.push_back(ground_plane(box));
         scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size() - 1), glm::mat4(1.0f)});
     }
+    for (const std::string& note : notes) warn_once(path.string() + ": " + note);
     return scene;
 }
 

@@ -2,7 +2,6 @@
 
 #include "scenes/gltf_accessor.h"
 #include "sim/error.h"
-#include "sim/warn.h"
 
 #include <tiny_gltf.h>
 #include <glm/geometric.hpp>
@@ -68,13 +67,12 @@ void make_flat(Mesh& mesh, const std::vector<glm::vec3>& positions, const Triang
     }
 }
 
-glm::vec3 base_color(const tinygltf::Model& model, int material, const std::string& file) {
+glm::vec3 base_color(const tinygltf::Model& model, int material, const std::string& file, std::vector<std::string>& notes) {
     if (material < 0) return {0.8f, 0.8f, 0.8f};
     if (static_cast<std::size_t>(material) >= model.materials.size())
         fail("{}: material {}, expected 0 to {}", file, material, static_cast<std::ptrdiff_t>(model.materials.size()) - 1);
     const auto& pbr = model.materials[static_cast<std::size_t>(material)].pbrMetallicRoughness;
-    if (pbr.baseColorTexture.index >= 0)
-        warn_once(file + ": textures are not supported; base colour factors stand in for them");
+    if (pbr.baseColorTexture.index >= 0) notes.push_back("textures are not supported; base colour factors stand in for them");
     if (pbr.baseColorFactor.size() != 4) return {1.0f, 1.0f, 1.0f};
     glm::vec3 color;
     for (int c = 0; c < 3; ++c) {
@@ -88,19 +86,19 @@ glm::vec3 base_color(const tinygltf::Model& model, int material, const std::stri
 }  // namespace
 
 std::optional<Mesh> read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const std::string& name,
-                                   bool mirrored, const std::string& file) {
+                                   bool mirrored, const std::string& file, std::vector<std::string>& notes) {
     const std::string where = fmt::format("{}: mesh '{}'", file, name);
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode > TINYGLTF_MODE_TRIANGLE_FAN) fail("{}: mode {}, expected 0 to 6", where, mode);
     if (mode < TINYGLTF_MODE_TRIANGLES) {
-        warn_once(file + ": points and lines are not supported and left out");
+        notes.push_back("points and lines are not supported and left out");
         return std::nullopt;
     }
-    if (!primitive.targets.empty()) warn_once(file + ": morph targets are not supported; meshes keep their rest shape");
+    if (!primitive.targets.empty()) notes.push_back("morph targets are not supported; meshes keep their rest shape");
 
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) {
-        warn_once(where + " has no positions and is left out");
+        notes.push_back(fmt::format("mesh '{}' has no positions and is left out", name));
         return std::nullopt;
     }
     const bool draco = primitive.extensions.contains("KHR_draco_mesh_compression");
@@ -109,7 +107,7 @@ std::optional<Mesh> read_primitive(const tinygltf::Model& model, const tinygltf:
                model.accessors[static_cast<std::size_t>(accessor)].bufferView >= 0;
     };
     if (draco && !has_data(position->second)) {
-        warn_once(file + ": Draco compression is not supported; meshes without a fallback are left out");
+        notes.push_back("Draco compression is not supported; meshes without a fallback are left out");
         return std::nullopt;
     }
 
@@ -133,7 +131,7 @@ std::optional<Mesh> read_primitive(const tinygltf::Model& model, const tinygltf:
         for (auto& triangle : triangles) std::swap(triangle[1], triangle[2]);
 
     // Normals: the file's where they are unit vectors, else flat ones.
-    Mesh mesh{.name = name, .vertices = {}, .indices = {}, .base_color = base_color(model, primitive.material, file)};
+    Mesh mesh{.name = name, .vertices = {}, .indices = {}, .base_color = base_color(model, primitive.material, file, notes)};
     const auto normal = primitive.attributes.find("NORMAL");
     if (normal == primitive.attributes.end()) {
         make_flat(mesh, positions, triangles);
@@ -143,7 +141,7 @@ std::optional<Mesh> read_primitive(const tinygltf::Model& model, const tinygltf:
     if (normals.size() != positions.size()) fail("{}: {} normals for {} positions", where, normals.size(), positions.size());
     for (const glm::vec3& n : normals) {
         if (is_unit(n)) continue;
-        warn_once(where + " has normals that are not unit vectors; flat ones stand in for them");
+        notes.push_back(fmt::format("mesh '{}' has normals that are not unit vectors; flat ones stand in for them", name));
         make_flat(mesh, positions, triangles);
         return mesh;
     }

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tinygltf {
 class Model;
@@ -14,9 +15,9 @@ struct Primitive;
 namespace gnomon::scenes {
 
 /// Positions, normals (flat ones where the file has none, section 3.7.2.1) and triangles of a primitive; base colour from its
-/// material. Nothing, with a warning, for what cannot be drawn: points, lines, Draco without a fallback. `mirrored` turns the
-/// winding over, for instances whose transform does so again. Throws Error for anything malformed.
+/// material. Nothing for what cannot be drawn: points, lines, Draco without a fallback; `notes` says what was left out or stood
+/// in for. `mirrored` turns the winding over, for instances whose transform does so again. Throws Error for anything malformed.
 std::optional<Mesh> read_primitive(const tinygltf::Model& model, const tinygltf::Primitive& primitive, const std::string& name,
-                                   bool mirrored, const std::string& file);
+                                   bool mirrored, const std::string& file, std::vector<std::string>& notes);
 
 }  // namespace gnomon::scenes

@@ -20,8 +20,6 @@ struct Half {
     bool operator==(const Half&) const = default;
 };
 
-inline constexpr float kHalfMax = 65504.0f;
-
 /// NaN keeps its sign and its upper payload bits and becomes quiet.
 Half half_from_float(float x, Narrowing narrowing);
 /// Exact. A signalling NaN becomes quiet.

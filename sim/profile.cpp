@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -110,6 +111,12 @@ Profile profile_from_json(std::string_view text, std::string_view where) {
         ++known;
         read_field(*entry, fmt::format("{}: {}", where, name), value);
     });
+    for (const Profile& preset : profile_presets())
+        if (profile.name == preset.name && profile != preset)
+            fail("{}: name: '{}' is a preset's; choose another", where, preset.name);
+    for (const std::string* text_field : {&profile.name, &profile.summary})
+        if (std::ranges::any_of(*text_field, [](char c) { return static_cast<unsigned char>(c) < 0x20; }))
+            fail("{}: name and summary must be one line of text", where);
     if (known == json.size()) return profile;
     for (const auto& [key, value] : json.items()) {
         bool is_field = key == "base";
@@ -122,9 +129,10 @@ Profile profile_from_json(std::string_view text, std::string_view where) {
 Profile load_profile(const std::string& name_or_path) {
     for (const Profile& preset : profile_presets())
         if (preset.name == name_or_path) return preset;
-    std::ifstream file(name_or_path, std::ios::binary);
-    if (!file || !std::filesystem::is_regular_file(name_or_path))
-        fail("profile '{}': neither a preset (see 'gnomon list profiles') nor a file that can be read", name_or_path);
+    std::error_code ignored;
+    const bool regular = std::filesystem::is_regular_file(name_or_path, ignored);  // before opening: a pipe would wait
+    std::ifstream file(regular ? name_or_path : std::string(), std::ios::binary);
+    if (!file) fail("profile '{}': neither a preset (see 'gnomon list profiles') nor a file that can be read", name_or_path);
     const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     return profile_from_json(text, name_or_path);
 }

@@ -1,5 +1,7 @@
 #include "studies/experiment.h"
 
+#include "sim/warn.h"
+
 #include "sim/lanes.h"
 #include "traces/hash.h"
 
@@ -75,8 +77,9 @@ const scenes::ReferenceImage* Experiment::truth(const Progress& progress) {
 
 RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                              const std::function<void(const Command&)>& on_command) {
-    // Every command is a chance to stop; those of creation and of the first frame are also shown.
+    // Every command and every tile of a draw is a chance to stop; commands of creation and of the first frame are also shown.
     Device device(profile_, request_.threads);
+    device.set_stop(progress.stop);
     const std::string stage = fmt::format("rendering {}", plan.technique.name);
     bool showing = true;
     device.set_observer([&](const Command& command) {
@@ -112,7 +115,14 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
     result.request.technique = plan.technique.name;
     for (const PassResult& pass : result.passes) result.frame_ms += pass.milliseconds;
 
-    if (const scenes::ReferenceImage* reference = truth(progress)) result.metrics = measure(result.visibility, *reference);
+    if (const scenes::ReferenceImage* reference = truth(progress)) {
+        result.metrics = measure(result.visibility, *reference);
+        if (result.metrics->pixels == 0) {
+            // Zeros would read as a perfect result.
+            warn_once("no pixel can be judged: nothing drawn faces the light inside its frustum; there are no metrics");
+            result.metrics.reset();
+        }
+    }
     result.truth_ms = truth_ms_;
     return result;
 }

@@ -91,8 +91,8 @@ struct Codec {
         }
     }
 
-    /// DEVIATION(D3D11.3 19.1.2): a NaN is stored as the one quiet NaN without sign: which payload and sign arithmetic gives it differs between processors
-    /// and with the order a compiler puts operands in. D3D11.3 3.2.2 asks only that NaN stays NaN.
+    /// DEVIATION(D3D11.3 19.1.2): a NaN is stored as the one quiet NaN without sign: which payload and sign arithmetic gives it
+    /// differs between processors and with the order a compiler puts operands in. D3D11.3 3.2.2 asks only that NaN stays NaN.
     template <class Real>
     static Int code_of(const Real& x, Narrowing narrowing) {
         if constexpr (kIsUnorm) {

@@ -58,11 +58,4 @@ void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t siz
         std::memcpy(row(level, y), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
 }
 
-std::size_t Texture::nominal_bytes() const {
-    std::size_t texels = 0;
-    for (int level = 0; level < desc_.levels; ++level)
-        texels += static_cast<std::size_t>(width(level)) * static_cast<std::size_t>(height(level));
-    return texels * static_cast<std::size_t>(info().bits_per_component * info().components) / 8;
-}
-
 }  // namespace gnomon

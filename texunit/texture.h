@@ -66,9 +66,6 @@ public:
     /// Replaces one level; `bytes` is laid out as level_bytes gives it and must have that size.
     void set_level_bytes(int level, const std::byte* bytes, std::size_t size);
 
-    /// Bytes of all levels as the format defines them, without padding: what a cost model counts.
-    [[nodiscard]] std::size_t nominal_bytes() const;
-
 private:
     [[nodiscard]] std::size_t row_offset(int level, int y) const {
         const auto l = static_cast<std::size_t>(level);

@@ -155,7 +155,9 @@ void add_technique_options(CLI::App& command, RenderOptions& options) {
     const auto add = [&](const std::string& name, const char* type, const std::string& help, auto take) {
         command.add_option_function<std::string>(name, take, help)->type_name(type)->group(kGroup);
     };
-    command.add_option("--technique", options.request.technique, "Shadow technique, or 'all': then an option that a technique does not take leaves it at its default")
+    command
+        .add_option("--technique", options.request.technique,
+                    "Shadow technique, or 'all': then an option that a technique does not take leaves it at its default")
         ->type_name("NAME|all")
         ->required()
         ->group(kGroup);

@@ -28,7 +28,7 @@ void catch_stop_signals() {
         stop_signal.store(number, std::memory_order_relaxed);
         stop_asked.store(true, std::memory_order_relaxed);
     };
-    action.sa_flags = SA_RESTART;
+    action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);  // asked twice, it stops at once
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);

@@ -182,6 +182,23 @@ TEST_CASE("what is malformed is refused with one line that says what and where",
     text.primitives = R"({"attributes":{"POSITION":0},"indices":1,"mode":4,"material":3})";
     expect(text, "material 3");
 
+    // Cameras that single precision makes degenerate, light indices that are no index.
+    const auto with_camera = [&](const std::string& lens) {
+        GltfText camera = quad();
+        camera.nodes = R"([{"mesh":0,"camera":0}])";
+        camera.extra = R"(,"cameras":[{"type":"perspective","perspective":)" + lens + "}]";
+        return camera;
+    };
+    expect(with_camera(R"({"yfov":0.5,"znear":1e-300,"zfar":1})"), "znear");
+    expect(with_camera(R"({"yfov":0.5,"znear":1.0,"zfar":1.00000001})"), "zfar");
+    expect(with_camera(R"({"yfov":1e-30,"znear":1.0,"zfar":10})"), "yfov");
+    for (const char* index : {"\"a\"", "0.7", "1e30"}) {
+        text = quad();
+        text.nodes = fmt::format(R"([{{"mesh":0,"extensions":{{"KHR_lights_punctual":{{"light":{}}}}}}}])", index);
+        text.extra = R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional"}]}})";
+        expect(text, "light");
+    }
+
     CHECK_THAT(error_of("a.gltf", ""), Catch::Contains("is empty"));
     CHECK_THAT(error_of("a.gltf", "{"), Catch::Contains("not valid glTF 2.0"));
     CHECK_THAT(error_of("a.gltf", R"({"asset":{"version":"1.0"}})"), Catch::Contains("expected 2.0"));

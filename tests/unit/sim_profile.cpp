@@ -46,7 +46,7 @@ TEST_CASE("presets round-trip through JSON", "[profile]") {
 
 TEST_CASE("every field round-trips when it differs from the default", "[profile]") {
     Profile p;
-    p.name = "odd \"one\" \xc3\xa9\n";
+    p.name = "odd \"one\" \xc3\xa9";
     p.summary = "s";
     p.arithmetic = Arithmetic::Fp64;
     p.flush_denormals = false;
@@ -84,6 +84,8 @@ TEST_CASE("a base gives what is not mentioned", "[profile]") {
     CHECK(profile_from_json("{}", "mine.json") == changed("d3d11"));
     expected.name = "told";
     CHECK(profile_from_json(R"({"lod_fraction_bits": "exact", "name": "told"})", "mine.json") == expected);
+    CHECK_THROWS_AS(profile_from_json(R"({"lod_fraction_bits": "exact", "name": "d3d11"})", "mine.json"), Error);
+    CHECK_THROWS_AS(profile_from_json(R"({"name": "two\nlines"})", "mine.json"), Error);
 }
 
 TEST_CASE("mistakes in profiles are named", "[profile][errors]") {
