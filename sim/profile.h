@@ -92,9 +92,9 @@ std::span<const Profile> profile_presets();
 /// The profile as a JSON object; every field, in order.
 std::string profile_to_json(const Profile& profile);
 
-/// Reads a JSON object. A field "base" names the preset (default d3d11) that gives every field not mentioned; without a "name" the
-/// profile is called by the stem of `where`, the file's path. Throws Error, with `where` in front, for unknown fields, wrong types
-/// and values out of range.
+/// Reads a JSON object. A field "base" names the preset (default d3d11) that gives every field not mentioned; without a "name"
+/// the profile is called by the stem of `where`, the file's path. Throws Error, with `where` in front, for unknown fields,
+/// wrong types and values out of range.
 Profile profile_from_json(std::string_view json, std::string_view where);
 
 /// A preset by name, or a JSON file by path. Throws Error.
