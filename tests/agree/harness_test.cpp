@@ -12,6 +12,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <functional>
 #include <limits>
 #include <set>
@@ -294,6 +295,35 @@ TEST_CASE("a gather takes (i0, j1), (i1, j1), (i1, j0), (i0, j0)", "[agree][devi
             machine.sample(depth_ramp(), {.compare = Compare::Less}, Instruction::Gather, points);
         CHECK(samples[0] == Sample{1, 1, 1, 0});
         CHECK(samples[1] == Sample{0, 1, 0, 0});
+    });
+}
+
+TEST_CASE("anisotropic filtering keeps what lies across the footprint", "[agree][device]") {
+    // Columns four texels wide, 0 and 1 by turns, at level 0; grey at all others. A footprint of 1 by 8 texels along a column
+    // sees one value by anisotropic filtering and grey by isotropic.
+    constexpr int kSize = 64;
+    Levels texture = random_levels(TexelFormat::R32f, kSize, kSize, 7, 10);
+    for (std::size_t level = 0; level < texture.levels.size(); ++level)
+        for (std::size_t i = 0; i < texture.levels[level].size(); i += sizeof(float)) {
+            const bool is_white = (i / sizeof(float) / 4) % 2 == 1;
+            const float value = level > 0 ? 0.5f : is_white ? 1.0f : 0.0f;
+            std::memcpy(texture.levels[level].data() + i, &value, sizeof(value));
+        }
+    std::vector<Point> points;
+    for (int column = 0; column < 16; ++column)
+        points.push_back(
+            {.u = (4.0f * static_cast<float>(column) + 2) / kSize, .v = 0.5f, .dudx = 1.0f / kSize, .dvdy = 8.0f / kSize});
+    const std::vector<Point> quads = as_quads(points);
+    on_each_device([&](SamplingPeer& machine) {
+        SamplerState sampler{.min = Filter::Linear, .mag = Filter::Linear, .mip = Mip::Linear};
+        for (const Sample& sample : machine.sample(texture, sampler, Instruction::Gradient, quads)) CHECK(sample[0] == 0.5f);
+        sampler.max_anisotropy = 8;
+        if (!machine.supports(texture, sampler)) return;
+        const std::vector<Sample> samples = machine.sample(texture, sampler, Instruction::Gradient, quads);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            INFO("column " << i);
+            CHECK(samples[4 * i][0] == Approx(i % 2 == 1 ? 1.0 : 0.0).margin(0.05));
+        }
     });
 }
 

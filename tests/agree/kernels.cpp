@@ -64,14 +64,18 @@ peer::OwnedPipelineLayout make_layout(const peer::Device& device, VkDescriptorSe
     return {device.get(), layout};
 }
 
-peer::OwnedPipeline make_pipeline(const peer::Device& device, VkPipelineLayout layout, Kernel kernel) {
+peer::OwnedPipeline make_pipeline(const peer::Device& device, VkPipelineLayout layout, Kernel kernel, Purpose purpose) {
     const peer::OwnedShader shader = peer::make_shader(device.get(), kernel_spirv(kernel));
+    const VkBool32 timed = purpose == Purpose::Timed ? VK_TRUE : VK_FALSE;
+    const VkSpecializationMapEntry entry{0, 0, sizeof(timed)};
+    const VkSpecializationInfo constants{1, &entry, sizeof(timed), &timed};
     VkComputePipelineCreateInfo info{};
     info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
     info.stage.module = shader.get();
     info.stage.pName = "main";
+    info.stage.pSpecializationInfo = &constants;
     info.layout = layout;
     VkPipeline pipeline{};
     peer::check(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline), "creating a pipeline");
@@ -118,13 +122,14 @@ Kernel sampling_kernel(Instruction instruction, bool compares) {
 Kernels::Kernels(const peer::Device& device)
     : device_(&device), set_layout_(make_set_layout(device)), layout_(make_layout(device, set_layout_.get())) {}
 
-VkPipeline Kernels::pipeline(Kernel kernel) {
-    peer::OwnedPipeline& pipeline = pipelines_[static_cast<std::size_t>(kernel)];
-    if (!pipeline) pipeline = make_pipeline(*device_, layout(), kernel);
+VkPipeline Kernels::pipeline(Kernel kernel, Purpose purpose) {
+    const std::size_t index = static_cast<std::size_t>(purpose) * kKernelCount + static_cast<std::size_t>(kernel);
+    peer::OwnedPipeline& pipeline = pipelines_[index];
+    if (!pipeline) pipeline = make_pipeline(*device_, layout(), kernel, purpose);
     return pipeline.get();
 }
 
-Dispatch::Dispatch(Kernels& kernels, Kernel kernel, const Texture& texture, std::span<const Point> points)
+Dispatch::Dispatch(Kernels& kernels, VkPipeline pipeline, const Texture& texture, std::span<const Point> points)
     : device_(&kernels.device()),
       points_(peer::device_buffer(*device_, std::as_bytes(points), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)) {
     // What no invocation writes stays NaN.
@@ -132,7 +137,6 @@ Dispatch::Dispatch(Kernels& kernels, Kernel kernel, const Texture& texture, std:
     samples_ = peer::device_buffer(*device_, unwritten, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
     bind(texture, kernels.set_layout());
 
-    const VkPipeline pipeline = kernels.pipeline(kernel);
     const auto count = static_cast<std::uint32_t>(points.size());
     commands_ = device_->record([&](VkCommandBuffer commands) {
         record_barrier(commands, kCopied, kCompute);

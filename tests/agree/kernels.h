@@ -10,9 +10,13 @@
 
 namespace gnomon::agree {
 
-/// Read samples nothing.
+/// Read samples nothing; it is for timing.
 enum class Kernel { Read, Gradient, Lod, Gather, GradientCompare, LodCompare, GatherCompare };
 inline constexpr std::size_t kKernelCount = 7;
+
+/// Samples gives the bits. Timed adds a value derived from the whole point to each.
+enum class Purpose { Samples, Timed };
+inline constexpr std::size_t kPurposeCount = 2;
 
 Kernel sampling_kernel(Instruction instruction, bool compares);
 
@@ -24,19 +28,19 @@ public:
     [[nodiscard]] const peer::Device& device() const { return *device_; }
     [[nodiscard]] VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
     [[nodiscard]] VkPipelineLayout layout() const { return layout_.get(); }
-    VkPipeline pipeline(Kernel kernel);
+    VkPipeline pipeline(Kernel kernel, Purpose purpose);
 
 private:
     const peer::Device* device_;
     peer::OwnedSetLayout set_layout_;
     peer::OwnedPipelineLayout layout_;
-    std::array<peer::OwnedPipeline, kKernelCount> pipelines_;
+    std::array<peer::OwnedPipeline, kPurposeCount * kKernelCount> pipelines_;
 };
 
-/// One kernel's dispatch over points, recorded; may be run many times. Kernels and texture must outlive it.
+/// One dispatch of a pipeline over points, recorded; may be run many times. Kernels and texture must outlive it.
 class Dispatch {
 public:
-    Dispatch(Kernels& kernels, Kernel kernel, const Texture& texture, std::span<const Point> points);
+    Dispatch(Kernels& kernels, VkPipeline pipeline, const Texture& texture, std::span<const Point> points);
 
     void run() const { device_->run(commands_); }
     /// Of the last run.

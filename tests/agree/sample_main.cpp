@@ -35,6 +35,7 @@ struct Options {
     SamplerState sampler{};  // what the names above leave
     int threads = 0;
     int repeats = 0;
+    bool quads = false;
     bool validate = false;
 };
 
@@ -99,8 +100,8 @@ std::vector<Point> read_points(std::istream& input) {
         for (std::string word; words >> word && word.front() != '#';) numbers.push_back(parse_float(word, line_number));
         if (numbers.empty()) continue;
         if (numbers.size() < 2 || numbers.size() > 8)
-            fail("standard input, line {}: {} numbers; expected u v [dudx dvdx dudy dvdy [lod [reference]]]", line_number,
-                 numbers.size());
+            fail("standard input, line {}: numbers of a point: {}; expected u v [dudx dvdx dudy dvdy [lod [reference]]]",
+                 line_number, numbers.size());
         numbers.resize(8);
         points.push_back({.u = numbers[0],
                           .v = numbers[1],
@@ -123,20 +124,28 @@ void print_timing(const SampleTiming& timing, std::size_t points) {
 }
 
 int run(const Options& options) {
+    if (options.threads < 0) fail("--threads {}; expected at least one", options.threads);
+    if (options.repeats < 0) fail("--time {}; expected at least one", options.repeats);
     const Levels texture = chosen_texture(options);
     const SamplerState sampler = chosen_sampler(options);
     const auto instruction = enum_from_name<Instruction>(options.instruction, "--instruction");
-    const std::vector<Point> points = read_points(std::cin);
+    std::vector<Point> points = read_points(std::cin);
+    if (options.quads) points = as_quads(points);
 
     if (options.threads > 0) peer::limit_threads(options.threads);
     peer::expose_drivers();
     SamplingPeer machine(chosen_device(options.device), {.validate = options.validate});
-    fmt::print("# {}\n", machine.description().name);
     if (options.repeats > 0) {
-        print_timing(machine.time_samples(texture, sampler, instruction, points, options.repeats), points.size());
+        const SampleTiming timing = machine.time_samples(texture, sampler, instruction, points, options.repeats);
+        fmt::print("# {}\n", machine.description().name);
+        print_timing(timing, points.size());
     } else {
-        for (const Sample& s : machine.sample(texture, sampler, instruction, points))
+        const std::vector<Sample> samples = machine.sample(texture, sampler, instruction, points);
+        fmt::print("# {}\n", machine.description().name);
+        for (std::size_t i = 0; i < samples.size(); i += options.quads ? 4 : 1) {
+            const Sample& s = samples[i];
             fmt::print("{:a} {:a} {:a} {:a}\n", s[0], s[1], s[2], s[3]);
+        }
     }
     for (const std::string& message : machine.validation_messages()) fmt::print(stderr, "validation: {}\n", message);
     return 0;
@@ -170,6 +179,7 @@ int main(int argc, char** argv) {
     app.add_option("--instruction", options.instruction, names_of<agree::Instruction>());
     app.add_option("--threads", options.threads, "threads of the software devices");
     app.add_option("--time", options.repeats, "print the time per sample instead, over so many repeats");
+    app.add_flag("--quads", options.quads, "a quad of pixels for each point, as llvmpipe's anisotropy needs");
     app.add_flag("--validate", options.validate, "with the validation layer");
     try {
         app.parse(argc, argv);

@@ -37,6 +37,18 @@ int full_levels(int width, int height) {
     return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
 }
 
+std::vector<Point> as_quads(std::span<const Point> points) {
+    std::vector<Point> quads;
+    for (const Point& point : points)
+        for (int corner = 0; corner < 4; ++corner) {
+            Point moved = point;
+            if ((corner & 1) != 0) moved.u += point.dudx, moved.v += point.dvdx;
+            if ((corner & 2) != 0) moved.u += point.dudy, moved.v += point.dvdy;
+            quads.push_back(moved);
+        }
+    return quads;
+}
+
 struct SamplingPeer::Machine {
     peer::Device device;
     Kernels kernels;
@@ -76,10 +88,11 @@ std::vector<Sample> SamplingPeer::sample(const Levels& texture, const SamplerSta
                                          std::span<const Point> points) {
     const Texture prepared = machine_->prepare(texture, sampler);
     const Kernel kernel = sampling_kernel(instruction, sampler.compare != Compare::None);
+    const VkPipeline pipeline = machine_->kernels.pipeline(kernel, Purpose::Samples);
     std::vector<Sample> samples;
     while (!points.empty()) {
         const std::span<const Point> piece = points.first(std::min(points.size(), kMaxPoints));
-        const Dispatch dispatch(machine_->kernels, kernel, prepared, piece);
+        const Dispatch dispatch(machine_->kernels, pipeline, prepared, piece);
         dispatch.run();
         const std::vector<Sample> of_piece = dispatch.samples();
         samples.insert(samples.end(), of_piece.begin(), of_piece.end());
@@ -95,8 +108,9 @@ SampleTiming SamplingPeer::time_samples(const Levels& texture, const SamplerStat
     if (repeats < 1) fail("{} repeats; expected at least one", repeats);
     const Texture prepared = machine_->prepare(texture, sampler);
     const Kernel kernel = sampling_kernel(instruction, sampler.compare != Compare::None);
-    const Dispatch sampling(machine_->kernels, kernel, prepared, points);
-    const Dispatch reading(machine_->kernels, Kernel::Read, prepared, points);
+    Kernels& kernels = machine_->kernels;
+    const Dispatch sampling(kernels, kernels.pipeline(kernel, Purpose::Timed), prepared, points);
+    const Dispatch reading(kernels, kernels.pipeline(Kernel::Read, Purpose::Timed), prepared, points);
 
     // Drivers compile at the first run.
     sampling.run();

@@ -73,13 +73,19 @@ struct Point {
     bool operator==(const Point&) const = default;
 };
 
+/// Four points for each: itself, one pixel along x, one along y, one along both. They run in neighbouring lanes, as a quad of
+/// pixels does. llvmpipe 22.3's anisotropic filter takes its footprint from the coordinates of such a quad (lp_build_pmin) and
+/// ignores the explicit gradients; sampled so and every fourth sample kept, it sees the footprint that other drivers see.
+std::vector<Point> as_quads(std::span<const Point> points);
+
 using Sample = std::array<float, 4>;
 
 /// Wall-clock time of dispatches over the same points, submit and wait included.
 struct SampleTiming {
-    double ns_per_sample = 0;           // the median over the repeats of (sampling - reading), divided by the number of points
-    std::vector<double> sampling_ns{};  // one per repeat: each point is read and sampled, and the sample written
-    std::vector<double> reading_ns{};   // one per repeat: each point is read, and a value derived from it written
+    double ns_per_sample = 0;  // the median over the repeats of (sampling - reading), divided by the number of points
+    std::vector<double>
+        sampling_ns{};  // one per repeat: each point is read and sampled, the sample plus a value derived written
+    std::vector<double> reading_ns{};  // one per repeat: each point is read, the value derived written
 };
 
 /// Ownership of one Vulkan device. Throws Error where the device is unusable or has changed since it was listed.

@@ -14,15 +14,20 @@ layout(set = 0, binding = 0, std430) readonly buffer Points { Point points[]; };
 layout(set = 0, binding = 1, std430) writeonly buffer Samples { vec4 samples[]; };
 layout(push_constant) uniform Constants { uint point_count; };
 
+// Timed kernels read all of a point, so that they and READ differ by the sampling alone.
+layout(constant_id = 0) const bool kTimed = false;
+
 #if COMPARE
 layout(set = 0, binding = 2) uniform sampler2DShadow image;
 #else
 layout(set = 0, binding = 2) uniform sampler2D image;
 #endif
 
+vec4 all_of(Point p) { return vec4(p.uv + p.duv_dx, p.duv_dy + vec2(p.lod, p.reference)); }
+
 vec4 value_at(Point p) {
 #if INSTRUCTION == READ
-    return vec4(p.uv + p.duv_dx, p.duv_dy + vec2(p.lod, p.reference));
+    return vec4(0.0);
 #elif INSTRUCTION == GRADIENT && COMPARE
     return vec4(textureGrad(image, vec3(p.uv, p.reference), p.duv_dx, p.duv_dy));
 #elif INSTRUCTION == GRADIENT
@@ -40,5 +45,8 @@ vec4 value_at(Point p) {
 
 void main() {
     const uint i = gl_GlobalInvocationID.x;
-    if (i < point_count) samples[i] = value_at(points[i]);
+    if (i >= point_count) return;
+    const Point point = points[i];
+    const vec4 value = value_at(point);
+    samples[i] = kTimed ? value + all_of(point) : value;
 }
