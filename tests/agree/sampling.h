@@ -7,8 +7,11 @@
 //             const auto values = machine.sample(texture, sampler, agree::Instruction::Gradient, points);
 //     }
 //
-// llvmpipe approximates by default: a piecewise linear log2 between levels, a cheaper footprint, rgba8 filtered in 8 bits.
-// GALLIVM_PERF=no_brilinear,no_rho_approx,no_quad_lod,no_aos_sampling, set before the first device is listed, turns that off.
+// Seen in the drivers of the day:
+// - log2 of a gradient's footprint is piecewise linear between halves of a level in llvmpipe 22.3 (at 2^0.25 texels the LOD is
+//   0.207), between quarters in SwiftShader (at 2^0.125 texels 0.104). An explicit LOD is taken as it is.
+// - llvmpipe filters rgba8 in 8 bits, unless GALLIVM_PERF=no_aos_sampling is set before the first device is listed.
+// - llvmpipe's anisotropic filter needs as_quads(), and takes its footprint from the quad for explicit LODs too.
 #pragma once
 
 #include "tests/peer/peer.h"
@@ -74,18 +77,21 @@ struct Point {
 };
 
 /// Four points for each: itself, one pixel along x, one along y, one along both. They run in neighbouring lanes, as a quad of
-/// pixels does. llvmpipe 22.3's anisotropic filter takes its footprint from the coordinates of such a quad (lp_build_pmin) and
-/// ignores the explicit gradients; sampled so and every fourth sample kept, it sees the footprint that other drivers see.
+/// pixels does. llvmpipe 22.3's anisotropic filter takes its footprint from the coordinates of such a quad and ignores the
+/// explicit gradients (lp_build_pmin); sampled so and every fourth sample kept, it sees the footprint that other drivers see.
 std::vector<Point> as_quads(std::span<const Point> points);
 
 using Sample = std::array<float, 4>;
 
 /// Wall-clock time of dispatches over the same points, submit and wait included.
 struct SampleTiming {
-    double ns_per_sample = 0;  // the median over the repeats of (sampling - reading), divided by the number of points
-    std::vector<double>
-        sampling_ns{};  // one per repeat: each point is read and sampled, the sample plus a value derived written
-    std::vector<double> reading_ns{};  // one per repeat: each point is read, the value derived written
+    /// The median over the repeats of (sampling - reading), divided by the number of points. Where the two overlap inside the
+    /// processor this is less than a sample's latency; sampling alone bounds it from above.
+    double ns_per_sample = 0;
+    /// One per repeat: each point is read and sampled, the sample plus a value derived from the point is written.
+    std::vector<double> sampling_ns{};
+    /// One per repeat: each point is read, the derived value is written.
+    std::vector<double> reading_ns{};
 };
 
 /// Ownership of one Vulkan device. Throws Error where the device is unusable or has changed since it was listed.
