@@ -52,6 +52,17 @@ bool filters(VkPhysicalDevice device, VkFormat format) {
     return (format_features(device, format) & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT) != 0;
 }
 
+// VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE, optional in Vulkan 1.2.
+bool can_mirror_once(VkPhysicalDevice device) {
+    VkPhysicalDeviceVulkan12Features features12{};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    VkPhysicalDeviceFeatures2 features{};
+    features.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    features.pNext = &features12;
+    vkGetPhysicalDeviceFeatures2(device, &features);
+    return features12.samplerMirrorClampToEdge == VK_TRUE;
+}
+
 std::optional<std::uint32_t> graphics_queue_family(VkPhysicalDevice device) {
     std::uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
@@ -196,6 +207,7 @@ Device::Device(const PeerDevice& description, const PeerOptions& options)
     limits_ = properties.limits;
 
     queue_family_ = graphics_queue_family(physical_).value();
+    mirrors_once_ = can_mirror_once(physical_);
     create_device();
     vkGetDeviceQueue(get(), queue_family_, 0, &queue_);
 
@@ -207,8 +219,12 @@ Device::Device(const PeerDevice& description, const PeerOptions& options)
 }
 
 void Device::create_device() {
+    VkPhysicalDeviceVulkan12Features features12{};
+    features12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    features12.samplerMirrorClampToEdge = mirrors_once_ ? VK_TRUE : VK_FALSE;
     VkPhysicalDeviceVulkan13Features features13{};
     features13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    features13.pNext = &features12;
     features13.dynamicRendering = VK_TRUE;
     features13.synchronization2 = VK_TRUE;
     VkPhysicalDeviceFeatures2 features{};

@@ -72,6 +72,8 @@ public:
     [[nodiscard]] const Instance& instance() const { return instance_; }
     [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return limits_; }
     [[nodiscard]] const PeerDevice& description() const { return description_; }
+    /// Samplers may use VK_SAMPLER_ADDRESS_MODE_MIRROR_CLAMP_TO_EDGE.
+    [[nodiscard]] bool mirrors_once() const { return mirrors_once_; }
 
     /// Throws Error unless optimally tiled images of this format have all of these features.
     void require_format(VkFormat format, VkFormatFeatureFlags features, const char* what) const;
@@ -87,6 +89,7 @@ private:
     Instance instance_;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkPhysicalDeviceLimits limits_{};
+    bool mirrors_once_ = false;
     std::uint32_t queue_family_ = 0;
     std::unique_ptr<VkDevice_T, DestroyDevice> device_;
     VkQueue queue_ = VK_NULL_HANDLE;
