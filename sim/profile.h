@@ -48,8 +48,9 @@ struct Profile {
     MipTie mip_tie = MipTie::Up;
     // Texture unit: anisotropy.
     AnisoRule aniso_rule = AnisoRule::D3d11;
-    bool ellipse_transform = true;     // derivatives become the orthogonal axes of their ellipse first. D3D11.3 7.18.11
-    bool aniso_clamps_to_top = false;  // a minor axis below one texel counts as one. D3D11.3 7.18.11, "clamp to top LOD"
+    bool ellipse_transform =
+        true;  // of anisotropic filters: derivatives become the axes of their ellipse first. D3D11.3 7.18.11
+    bool aniso_clamps_to_top = false;  // the level of detail takes a minor axis below one texel for one. D3D11.3 7.18.11
     ProbeCount probe_count = ProbeCount::Ceil;
     ProbePlacement probe_placement = ProbePlacement::Interior;
     AnisoLimits aniso_limits = AnisoLimits::Any;

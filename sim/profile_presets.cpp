@@ -75,7 +75,7 @@ Preset d3d11() {
     p.set(&P::lod_sharing, LodSharing::Quad, Assumed, "D3D11.3 22.4.15 allows quads and pixels");
     p.set(&P::mip_tie, MipTie::Up, Specified, "D3D11.3 7.18.10");
     p.set(&P::aniso_rule, AnisoRule::D3d11, Specified, "D3D11.3 7.18.11");
-    p.set(&P::ellipse_transform, true, Specified, "D3D11.3 7.18.11: ideal; approximations are allowed");
+    p.set(&P::ellipse_transform, true, Specified, "D3D11.3 7.18.11: ideal; isotropic filters do without, as it allows");
     p.set(&P::aniso_clamps_to_top, false, Specified, "D3D11.3 7.18.11: recommended since 2009");
     p.set(&P::probe_count, ProbeCount::Ceil, Assumed, "D3D11.3 leaves it open; EXT_texture_filter_anisotropic's example");
     p.set(&P::probe_placement, ProbePlacement::Interior, Assumed, "D3D11.3 leaves it open; Vulkan 1.3 16.6.11's example");

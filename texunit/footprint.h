@@ -40,6 +40,7 @@ struct Lookup {
     Int layer;                         // slice of an array, face of a cube
     bool integer_coordinates = false;  // SwiftShader's 16-bit coordinates: UNORM formats under nearest filters
     bool fixed_coordinates = false;    // llvmpipe's 24.8 coordinates: its 8-bit filter
+    bool gathers = false;              // footprints for gather
 };
 
 /// By the profile's arithmetic; `coordinate` has been through reduce_range where that is the specification's.
@@ -55,7 +56,8 @@ GNOMON_INLINE AxisTexels<Real> axis_texels(const Lookup& lookup, const Real& coo
                         .base_power_of_two = (base_size & (base_size - 1)) == 0,
                         .linear = linear,
                         .mode = mode,
-                        .offset = offset};
+                        .offset = offset,
+                        .gathers = lookup.gathers};
     const Float c = to_float(coordinate);
     const AxisTexels<Float> peer = lookup.fixed_coordinates ? llvmpipe_fixed_texels(c, axis)
                                    : arithmetic == AddressArithmetic::Llvmpipe

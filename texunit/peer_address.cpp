@@ -43,30 +43,41 @@ AxisTexels<Float> two_texels(Int first, Int second, Float fraction, const PeerAx
     return result;
 }
 
+/// The coordinate an offset of texels further on.
+Float moved(Float c, Float size, const PeerAxis& axis) {
+    return axis.offset == 0 ? c : c + Float(static_cast<float>(axis.offset)) / size;
+}
+/// The same after scaling by the size.
+Float moved_texels(Float scaled, const PeerAxis& axis) {
+    return axis.offset == 0 ? scaled : scaled + Float(static_cast<float>(axis.offset));
+}
+
 Int llvmpipe_nearest(Float c, Float size, const PeerAxis& axis) {
     const Int last = axis.size - Int(1);
+    const Int offset(axis.offset);
     switch (axis.mode) {
         case AddressMode::Wrap:
-            if (axis.base_power_of_two) return truncate_or_lowest(floor(c * size)) & last;
-            return truncate_or_lowest(fraction_below_one(c) * size);
-        case AddressMode::Clamp: return clamp(truncate_or_lowest(c * size), Int(0), last);
-        case AddressMode::Border: return truncate_or_lowest(floor(c * size));
-        case AddressMode::Mirror: return min(truncate_or_lowest(llvmpipe_mirror(c) * size), last);
+            if (axis.base_power_of_two) return (truncate_or_lowest(floor(c * size)) + offset) & last;
+            return truncate_or_lowest(fraction_below_one(moved(c, size, axis)) * size);
+        case AddressMode::Clamp: return clamp(truncate_or_lowest(moved_texels(c * size, axis)), Int(0), last);
+        case AddressMode::Border: return truncate_or_lowest(floor(c * size)) + offset;
+        case AddressMode::Mirror: return min(truncate_or_lowest(llvmpipe_mirror(moved(c, size, axis)) * size), last);
         case AddressMode::MirrorOnce: {
-            const Int texel = truncate_or_lowest(abs(c * size));
+            const Int texel = truncate_or_lowest(abs(moved_texels(c * size, axis)));
             return select((texel < Int(0)) | (texel > last), last, texel);  // compared unsigned
         }
     }
     __builtin_unreachable();
 }
 
+/// -x - 1 of negative ones, then at most the last.
+Int fold_once(Int texel, Int last) { return min(select(texel < Int(0), ~texel, texel), last); }
+
 }  // namespace
 
-AxisTexels<Float> llvmpipe_texels(Float coordinate, const PeerAxis& axis) {
+AxisTexels<Float> llvmpipe_texels(Float c, const PeerAxis& axis) {
     const Float size(axis.size);
     const Int last = axis.size - Int(1);
-    // An offset moves the coordinate. Mesa 22.3.6 lp_build_coord_repeat_npot_linear and its neighbours
-    const Float c = axis.offset == 0 ? coordinate : coordinate + Float(static_cast<float>(axis.offset)) / size;
     if (!axis.linear) return one_texel(llvmpipe_nearest(c, size, axis), axis);
 
     const Float half(0.5f);
@@ -75,31 +86,49 @@ AxisTexels<Float> llvmpipe_texels(Float coordinate, const PeerAxis& axis) {
     switch (axis.mode) {
         case AddressMode::Wrap: {
             if (axis.base_power_of_two) {
-                const Float a = c * size - half;
+                const Float a = moved_texels(c * size - half, axis);
                 const Int first = floor_of(a);
                 return two_texels(first & last, (first + Int(1)) & last, rest_of(a), axis);
             }
-            const Float a = (c - floor(c)) * size - half;
+            const Float m = moved(c, size, axis);
+            const Float a = (m - floor(m)) * size - half;
             const Int first = select(a >= Float(0.0f), floor_of(a), last);
             return two_texels(first, select(first != last, first + Int(1), Int(0)), rest_of(a), axis);
         }
         case AddressMode::Clamp: {
-            const Float a = max_second(min_second(c * size, size) - half, Float(0.0f));
+            const Float limited = min_second(moved_texels(c * size, axis), size);
+            if (axis.gathers) {
+                const Float low = max_second(limited, Float(0.0f));
+                return two_texels(truncate_or_lowest(low - half), min(truncate_or_lowest(low + half), last), Float(0.0f), axis);
+            }
+            const Float a = max_second(limited - half, Float(0.0f));
             const Int first = floor_of(a);
             return two_texels(first, min(first + Int(1), last), rest_of(a), axis);
         }
         case AddressMode::Border: {
-            const Float a = c * size - half;
+            const Float a = moved_texels(c * size, axis) - half;
             const Int first = floor_of(a);
             return two_texels(first, first + Int(1), rest_of(a), axis);
         }
         case AddressMode::Mirror: {
-            const Float a = llvmpipe_mirror(c) * size - half;
+            const Float m = moved(c, size, axis);
+            if (axis.gathers) {
+                const Float halved = m * half;
+                const Float rest = halved - round(halved);
+                const Int first = floor_of((rest + rest) * size - half);
+                return two_texels(fold_once(first, last), fold_once(first + Int(1), last), Float(0.0f), axis);
+            }
+            const Float a = llvmpipe_mirror(m) * size - half;
             const Int first = floor_of(a);
             return two_texels(max(first, Int(0)), min(first + Int(1), last), rest_of(a), axis);
         }
         case AddressMode::MirrorOnce: {
-            const Float a = max_second(min_second(abs(c * size), size) - half, Float(0.0f));
+            const Float scaled = moved_texels(c * size, axis);
+            if (axis.gathers) {
+                const Int first = floor_of(scaled - half);
+                return two_texels(fold_once(first, last), fold_once(first + Int(1), last), Float(0.0f), axis);
+            }
+            const Float a = max_second(min_second(abs(scaled), size) - half, Float(0.0f));
             const Int first = floor_of(a);
             return two_texels(first, min(first + Int(1), last), rest_of(a), axis);
         }
@@ -110,10 +139,10 @@ AxisTexels<Float> llvmpipe_texels(Float coordinate, const PeerAxis& axis) {
 AxisTexels<Float> llvmpipe_fixed_texels(Float coordinate, const PeerAxis& axis) {
     const Float size(axis.size);
     const Int last = axis.size - Int(1);
-    const Float c = axis.offset == 0 ? coordinate : coordinate + Float(static_cast<float>(axis.offset)) / size;
+    const Float c = moved(coordinate, size, axis);
     const bool wraps = axis.mode == AddressMode::Wrap;
     if (!axis.linear) {
-        if (wraps) return one_texel(llvmpipe_nearest(c, size, axis), axis);
+        if (wraps) return one_texel(llvmpipe_nearest(coordinate, size, axis), axis);
         return one_texel(clamp(truncate_or_lowest(floor(c * size)), Int(0), last), axis);
     }
 
@@ -133,7 +162,7 @@ AxisTexels<Float> llvmpipe_fixed_texels(Float coordinate, const PeerAxis& axis) 
 AxisTexels<Float> swiftshader_texels(Float coordinate, const PeerAxis& axis, bool integer) {
     const Float size(axis.size);
     const Int last = axis.size - Int(1);
-    const Float c = coordinate;
+    const Float c = moved(coordinate, size, axis);
     if (integer) {
         // 16 bits of the coordinate; UNORM formats that are not filtered.
         const Float steps(65536.0f);
@@ -158,7 +187,13 @@ AxisTexels<Float> swiftshader_texels(Float coordinate, const PeerAxis& axis, boo
             case AddressMode::Border: code = truncate_or_lowest(c * steps); break;
         }
         const Int texel = shift_right_logical<16>((code & Int(0xffff)) * axis.size);
-        return one_texel(clamp(texel + Int(axis.offset), Int(0), last), axis);
+        return one_texel(clamp(texel, Int(0), last), axis);
+    }
+
+    if (axis.gathers && axis.mode == AddressMode::Mirror) {
+        const Int first = truncate_or_lowest(floor(c * size - Float(0.5f)));
+        return two_texels(apply_address_mode(first, axis.size, axis.mode, true),
+                          apply_address_mode(first + Int(1), axis.size, axis.mode, true), Float(0.0f), axis);
     }
 
     // Into [0, 1) by the mode, then to texels.
@@ -177,11 +212,11 @@ AxisTexels<Float> swiftshader_texels(Float coordinate, const PeerAxis& axis, boo
     k = k * size;
     if (!axis.linear) {
         const Int texel = axis.mode == AddressMode::Border ? truncate_or_lowest(floor(k)) : truncate_or_lowest(k);
-        return one_texel(texel + Int(axis.offset), axis);
+        return one_texel(texel, axis);
     }
     const Float a = k - Float(0.5f);
     const Float whole = floor(a);
-    const Int first = truncate_or_lowest(whole) + Int(axis.offset);
+    const Int first = truncate_or_lowest(whole);
     const Int second = first + Int(1);
     if (axis.mode == AddressMode::Wrap)
         return two_texels(select(first < Int(0), last, first), select(second <= last, second, Int(0)), a - whole, axis);

@@ -12,7 +12,8 @@ struct PeerAxis {
     bool base_power_of_two;  // of the view's finest level
     bool linear;             // two texels, else one
     AddressMode mode;
-    int offset;  // of the instruction, texels
+    int offset;    // of the instruction, texels
+    bool gathers;  // no weights: each texel of the footprint is mirrored and clamped on its own
 };
 
 /// Mesa 22.3.6 lp_bld_sample_soa.c, lp_build_sample_wrap_nearest and lp_build_sample_wrap_linear.

@@ -14,13 +14,15 @@ Float max_second(Float a, Float b) { return select(a > b, a, b); }
 
 constexpr int kTableSize = 1024;
 
-/// exp(-2 i / 1023) with six decimals, as the source spells them. Mesa 22.3.6 lp_bld_sample.c, aniso_filter_table
+/// exp(-2 i / 1023) in binary32 with six decimals, as the source spells them. Mesa 22.3.6 lp_bld_sample.c, aniso_filter_table
 const std::array<std::int32_t, kTableSize>& weight_table() {
     static const auto table = [] {
         std::array<std::int32_t, kTableSize> bits{};
         for (std::size_t i = 0; i < bits.size(); ++i) {
-            const double weight = scalar::exp(-2.0 * static_cast<double>(i) / 1023.0);
-            bits[i] = std::bit_cast<std::int32_t>(static_cast<float>(std::floor(weight * 1e6 + 0.5) / 1e6));
+            const float r2 = static_cast<float>(i) / static_cast<float>(kTableSize - 1);
+            const auto weight = static_cast<float>(scalar::exp(static_cast<double>(-2.0f * r2)));
+            bits[i] =
+                std::bit_cast<std::int32_t>(static_cast<float>(std::floor(static_cast<double>(weight) * 1e6 + 0.5) / 1e6));
         }
         return bits;
     }();

@@ -258,6 +258,7 @@ private:
 
     /// Weighted sums of probes, each level walked on its own. SwiftShader SamplerCore.cpp, sampleAniso()
     Result swiftshader_probes(const Vec2<Real>& coordinate, const LevelOfDetail<Real>& lod, const LevelPair<Real>& pair) {
+        const Reduction reduction = lookup_.sampler.reduction;
         const auto walk = [&](Int level, const Real& level_weight, Mask lanes) {
             const LevelPair<Real> alone{
                 .magnify = pair.magnify, .level = level, .fraction = Real(0.0f), .clamped = pair.clamped};
@@ -269,7 +270,13 @@ private:
             Mask active(true);
             for (int k = 0; any(active); active = Int(++k) < lod.probes) {
                 const Result one = probe(at, share * level_weight, active & lanes, alone);
-                for (std::size_t c = 0; c < kCount; ++c) sum[c] = select(active, sum[c] + one[c] * share, sum[c]);
+                for (std::size_t c = 0; c < kCount; ++c) {
+                    const Real next = reduction == Reduction::Average   ? sum[c] + one[c] * share
+                                      : k == 0                          ? one[c]
+                                      : reduction == Reduction::Minimum ? min(sum[c], one[c])
+                                                                        : max(sum[c], one[c]);
+                    sum[c] = select(active, next, sum[c]);
+                }
                 at = at + step;
             }
             return sum;
@@ -293,6 +300,7 @@ private:
         const LlvmpipeEllipse ellipse({to_float(coordinate.x), to_float(coordinate.y)},
                                       {to_float(lod.major.x), to_float(lod.major.y)},
                                       {to_float(lod.minor.x), to_float(lod.minor.y)}, view.width(), view.height(), level);
+        const Reduction reduction = lookup_.sampler.reduction;
         Result sum{};
         Float total(0.0f);
         ellipse.for_each([&](Int u, Int v, Float weight) {
@@ -300,12 +308,18 @@ private:
             const Vec2<Real> at{Real(Float(u) / Float(place.width)), Real(Float(v) / Float(place.height))};
             const Footprint<Real> footprint = make_footprint(lookup_, place, prepared(at), false);
             const auto texel = tap_(footprint.offset[0], footprint.outside[0]);
-            for (std::size_t c = 0; c < kCount; ++c) sum[c] = select(counts, sum[c] + texel[c] * Real(weight), sum[c]);
+            const Mask first = counts & (total == Float(0.0f));
+            for (std::size_t c = 0; c < kCount; ++c) {
+                const Real next = reduction == Reduction::Average   ? sum[c] + texel[c] * Real(weight)
+                                  : reduction == Reduction::Minimum ? select(first, texel[c], min(sum[c], texel[c]))
+                                                                    : select(first, texel[c], max(sum[c], texel[c]));
+                sum[c] = select(counts, next, sum[c]);
+            }
             total = total + weight;
             observer_.ellipse_texel(footprint.offset[0], footprint.outside[0], texel, Real(weight), counts);
         });
         Result result;
-        for (std::size_t c = 0; c < kCount; ++c) result[c] = sum[c] / Real(total);
+        for (std::size_t c = 0; c < kCount; ++c) result[c] = reduction == Reduction::Average ? sum[c] / Real(total) : sum[c];
 
         // An ellipse without texels: bilinear.
         const Mask found = (total < Float(0.0f)) | (total > Float(0.0f));

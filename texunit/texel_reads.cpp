@@ -83,7 +83,7 @@ Vec4<Real> gather(const TextureView& view, const Sampler& sampler, const Profile
     if (!has_finest_level(view)) return {zero, zero, zero, zero};
     const Instruction how = decide_instruction(format, sampler, profile, false, true);
     const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
-    const Lookup lookup{view, sampler, profile, offset, at.layer};
+    const Lookup lookup{view, sampler, profile, offset, at.layer, false, false, true};
     using Tap = AnyTap<4, Real, false>;
     const auto run = [&](const Tap& tap) {
         Unobserved nobody;
@@ -110,7 +110,7 @@ Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const
         return {result, result, result, result};
     }
     const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
-    const Lookup lookup{view, sampler, profile, offset, at.layer};
+    const Lookup lookup{view, sampler, profile, offset, at.layer, false, false, true};
     using Tap = AnyTap<1, Real, true>;
     const auto run = [&](const Tap& tap) {
         Unobserved nobody;
