@@ -1,3 +1,4 @@
+// Axes of the ellipse, ratio and level of detail in intervals.
 #include "tests/verify/lookup_footprint.h"
 
 #include <algorithm>

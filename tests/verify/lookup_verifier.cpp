@@ -1,10 +1,11 @@
+// Filters, levels and probes in intervals, and the search for weights that make a result.
 #include "tests/verify/lookup_verifier.h"
 
 #include "tests/verify/lookup_footprint.h"
+#include "tests/verify/lookup_texels.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <limits>
 
@@ -15,241 +16,6 @@ using namespace gnomon;
 namespace {
 
 constexpr int kHalvings = 10;
-
-/// What a texel, a filter or a whole sample may be, component by component.
-struct Bounds {
-    Color lo{};
-    Color hi{};
-};
-
-Bounds nothing() {
-    Bounds b;
-    b.lo.fill(std::numeric_limits<double>::infinity());
-    b.hi.fill(-std::numeric_limits<double>::infinity());
-    return b;
-}
-
-void include(Bounds& a, const Bounds& b) {
-    for (std::size_t c = 0; c < 4; ++c) {
-        a.lo[c] = std::min(a.lo[c], b.lo[c]);
-        a.hi[c] = std::max(a.hi[c], b.hi[c]);
-    }
-}
-
-Bounds lerp(const Bounds& a, const Bounds& b, double w) {
-    Bounds result;
-    for (std::size_t c = 0; c < 4; ++c) {
-        result.lo[c] = a.lo[c] * (1 - w) + b.lo[c] * w;
-        result.hi[c] = a.hi[c] * (1 - w) + b.hi[c] * w;
-    }
-    return result;
-}
-
-/// Four taps and the weights of the right and of the lower ones. A nearest filter repeats its texel.
-struct Cell {
-    std::array<Bounds, 4> tap;  // (0,0), (1,0), (0,1), (1,1)
-    Range a;                    // of u
-    Range b;                    // of v
-};
-
-Bounds at(const Cell& cell, double a, double b) {
-    return lerp(lerp(cell.tap[0], cell.tap[1], a), lerp(cell.tap[2], cell.tap[3], a), b);
-}
-
-/// Exact for points as taps: a bilinear function has its extremes over a box of weights at the corners.
-Bounds hull(const Cell& cell) {
-    Bounds all = nothing();
-    for (const double a : {cell.a.lo, cell.a.hi})
-        for (const double b : {cell.b.lo, cell.b.hi}) include(all, at(cell, a, b));
-    return all;
-}
-
-Bounds hull(const std::vector<Cell>& cells) {
-    Bounds all = nothing();
-    for (const Cell& cell : cells) include(all, hull(cell));
-    return all;
-}
-
-/// Where along one axis a filter may be: texel indices before the address mode, and the weight of the second.
-struct Span {
-    std::int64_t first = 0;
-    Range weight;
-};
-
-/// -1 for the border. D3D11.3 7.18.9
-std::int64_t address(AddressMode mode, std::int64_t i, std::int64_t size) {
-    const auto modulo = [](std::int64_t n, std::int64_t period) { return (n % period + period) % period; };
-    switch (mode) {
-        case AddressMode::Wrap: return modulo(i, size);
-        case AddressMode::Mirror: {
-            const std::int64_t m = modulo(i, 2 * size);
-            return m < size ? m : 2 * size - 1 - m;
-        }
-        case AddressMode::Clamp: return std::clamp<std::int64_t>(i, 0, size - 1);
-        case AddressMode::Border: return i < 0 || i >= size ? -1 : i;
-        case AddressMode::MirrorOnce: return std::min(i < 0 ? -i - 1 : i, size - 1);
-    }
-    return 0;
-}
-
-/// Whether `reference OP texel` may hold, and whether it may fail, for some pair out of the two intervals.
-struct Outcome {
-    bool may_pass = false;
-    bool may_fail = false;
-};
-
-Outcome compare(CompareOp op, Range reference, Range texel) {
-    const bool may_less = reference.lo < texel.hi;
-    const bool may_greater = reference.hi > texel.lo;
-    const bool may_equal = reference.lo <= texel.hi && texel.lo <= reference.hi;
-    switch (op) {
-        case CompareOp::Never: return {false, true};
-        case CompareOp::Less: return {may_less, may_equal || may_greater};
-        case CompareOp::Equal: return {may_equal, may_less || may_greater};
-        case CompareOp::LessEqual: return {may_less || may_equal, may_greater};
-        case CompareOp::Greater: return {may_greater, may_equal || may_less};
-        case CompareOp::NotEqual: return {may_less || may_greater, may_equal};
-        case CompareOp::GreaterEqual: return {may_greater || may_equal, may_less};
-        case CompareOp::Always: return {true, false};
-    }
-    return {};
-}
-
-/// The texels and the arithmetic of one request.
-class Lookup {
-public:
-    Lookup(const Image& image, const Sampler& sampler, const LookupPrecision& precision, const SampleRequest& request)
-        : image_(image), sampler_(sampler), precision_(precision), request_(request) {
-        if (request.reference) {
-            reference_ = {*request.reference, *request.reference};
-            if (precision.reference_quantised && image.unit_range)
-                reference_ = {std::clamp(reference_.lo, 0.0, 1.0), std::clamp(reference_.hi, 0.0, 1.0)};
-            // A code of a depth format of integers: the nearest, ties either way. D3D11.3 17.11
-            if (precision.reference_quantised && image.depth_codes > 0) {
-                const double code = reference_.lo * image.depth_codes;
-                const double slack = code * 4 * precision.epsilon;
-                reference_ = {std::ceil(code - 0.5 - slack) / image.depth_codes,
-                              std::floor(code + 0.5 + slack) / image.depth_codes};
-            }
-        }
-        const double largest = request.reference ? 1.0 : image.largest_texel;
-        tolerance_ = precision.color_absolute + precision.color_relative * largest;
-    }
-
-    [[nodiscard]] double tolerance() const { return tolerance_; }
-    [[nodiscard]] int last_level() const { return static_cast<int>(image_.levels.size()) - 1; }
-
-    /// Every cell that a filter may find itself in, `along` of the way along the line of anisotropy, [-1/2, 1/2].
-    [[nodiscard]] std::vector<Cell> cells(int level, TexelFilter filter, const Footprint& footprint, double along) const {
-        const Image::Level& texels = image_.levels[static_cast<std::size_t>(level)];
-        const Image::Level& base = image_.levels[0];
-        const double du = along * footprint.major_u / base.width;
-        const double dv = along * footprint.major_v / base.height;
-        const double error_u = std::abs(along) * footprint.major_error / base.width;
-        const double error_v = std::abs(along) * footprint.major_error / base.height;
-        const auto us = spans(request_.coordinate[0] + du, error_u, texels.width, request_.offset.x, filter);
-        const auto vs = spans(request_.coordinate[1] + dv, error_v, texels.height, request_.offset.y, filter);
-        std::vector<Cell> all;
-        for (const Span& v : vs)
-            for (const Span& u : us) {
-                const std::int64_t step = filter == TexelFilter::Linear ? 1 : 0;
-                all.push_back({{tap(texels, u.first, v.first), tap(texels, u.first + step, v.first),
-                                tap(texels, u.first, v.first + step), tap(texels, u.first + step, v.first + step)},
-                               u.weight,
-                               v.weight});
-            }
-        return all;
-    }
-
-    /// The extremes of everything under the ellipse's bounding box: the filter may be wider than the ellipse by half and by two
-    /// texels, [Heckbert89] 3.5.8 adds one.
-    [[nodiscard]] Bounds under_ellipse(int level, const Footprint& footprint) const {
-        const Image::Level& texels = image_.levels[static_cast<std::size_t>(level)];
-        const Image::Level& base = image_.levels[0];
-        const auto range = [](double centre, double half) {
-            return std::pair{static_cast<std::int64_t>(std::floor(centre - half)),
-                             static_cast<std::int64_t>(std::floor(centre + half))};
-        };
-        const double half_u = 1.5 * footprint.extent_u * texels.width / base.width + 2;
-        const double half_v = 1.5 * footprint.extent_v * texels.height / base.height + 2;
-        const auto [u0, u1] = range(request_.coordinate[0] * texels.width + request_.offset.x, half_u);
-        const auto [v0, v1] = range(request_.coordinate[1] * texels.height + request_.offset.y, half_v);
-        Bounds all = nothing();
-        for (std::int64_t v = v0; v <= v1; ++v)
-            for (std::int64_t u = u0; u <= u1; ++u) include(all, tap(texels, u, v));
-        return all;
-    }
-
-    /// The extremes of the image and the border.
-    [[nodiscard]] Bounds anything() const {
-        Bounds all = border();
-        for (const Image::Level& level : image_.levels)
-            for (std::int64_t y = 0; y < level.height; ++y)
-                for (std::int64_t x = 0; x < level.width; ++x) include(all, tap(level, x, y));
-        return all;
-    }
-
-private:
-    [[nodiscard]] std::vector<Span> spans(double coordinate, double error, int size, int offset, TexelFilter filter) const {
-        const double shift = filter == TexelFilter::Linear ? 0.5 : 0.0;
-        const double centre = coordinate * size + offset - shift;
-        const double magnitude = std::abs(coordinate) * size + size + std::abs(offset) + 1;
-        double radius = error * size + precision_.coordinate_error * precision_.epsilon * magnitude;
-        if (precision_.coordinate_bits >= 0) radius += std::ldexp(precision_.coordinate_rounding, -precision_.coordinate_bits);
-        const double weight_error =
-            precision_.weight_bits >= 0 ? std::ldexp(precision_.weight_rounding, -precision_.weight_bits) : 0.0;
-        const double lo = centre - radius;
-        const double hi = centre + radius;
-        std::vector<Span> all;
-        for (double i = std::floor(lo); i <= std::floor(hi); ++i) {
-            Span span{static_cast<std::int64_t>(i), {0, 0}};
-            if (filter == TexelFilter::Linear)
-                span.weight = {std::max(std::max(lo, i) - i - weight_error, 0.0),
-                               std::min(std::min(hi, i + 1) - i + weight_error, 1.0)};
-            all.push_back(span);
-        }
-        return all;
-    }
-
-    [[nodiscard]] Bounds border() const {
-        Bounds b;
-        b.lo = b.hi = {0, 0, 0, 1};
-        for (int c = 0; c < image_.components; ++c) {
-            const auto i = static_cast<std::size_t>(c);
-            b.lo[i] = sampler_.border[c] - precision_.border_error;
-            b.hi[i] = sampler_.border[c] + precision_.border_error;
-            if (!image_.unit_range) continue;
-            b.lo[i] = std::clamp(b.lo[i], 0.0, 1.0);
-            b.hi[i] = std::clamp(b.hi[i], 0.0, 1.0);
-        }
-        return compared(b);
-    }
-
-    [[nodiscard]] Bounds tap(const Image::Level& level, std::int64_t u, std::int64_t v) const {
-        const std::int64_t x = address(sampler_.address_u, u, level.width);
-        const std::int64_t y = address(sampler_.address_v, v, level.height);
-        if (x < 0 || y < 0) return border();
-        const Color& texel = level.texels[static_cast<std::size_t>(y * level.width + x)];
-        return compared({texel, texel});
-    }
-
-    /// The result of the comparison in place of the texel. D3D11.3 22.4.19
-    [[nodiscard]] Bounds compared(const Bounds& texel) const {
-        if (!request_.reference) return texel;
-        const Outcome outcome = compare(sampler_.compare, reference_, {texel.lo[0], texel.hi[0]});
-        Bounds result;
-        result.lo.fill(outcome.may_fail ? 0.0 : 1.0);
-        result.hi.fill(outcome.may_pass ? 1.0 : 0.0);
-        return result;
-    }
-
-    const Image& image_;
-    const Sampler& sampler_;
-    const LookupPrecision& precision_;
-    const SampleRequest& request_;
-    Range reference_;
-    double tolerance_ = 0;
-};
 
 /// One choice of filter and levels, with the interval of the coarser one's weight.
 struct Mips {
@@ -349,6 +115,33 @@ bool reaches(const Cell& finer, const Cell& coarser, Range w, const Color& resul
     return false;
 }
 
+Bounds negated(const Bounds& b) {
+    Bounds result;
+    for (std::size_t c = 0; c < 4; ++c) {
+        result.lo[c] = -b.hi[c];
+        result.hi[c] = -b.lo[c];
+    }
+    return result;
+}
+
+/// The smallest texel of one cell: at least the smallest that may have a weight, at most the smallest that must have one.
+Bounds minimum(const Cell& cell, bool negate) {
+    Bounds possible = nothing();
+    Bounds certain;
+    certain.hi.fill(std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < 4; ++i) {
+        const bool right = i % 2 == 1;
+        const bool lower = i / 2 == 1;
+        if ((right ? cell.a.hi : 1 - cell.a.lo) <= 0 || (lower ? cell.b.hi : 1 - cell.b.lo) <= 0) continue;
+        const Bounds tap = negate ? negated(cell.tap[i]) : cell.tap[i];
+        include(possible, tap);
+        if ((right ? cell.a.lo : 1 - cell.a.hi) <= 0 || (lower ? cell.b.lo : 1 - cell.b.hi) <= 0) continue;
+        for (std::size_t c = 0; c < 4; ++c) certain.hi[c] = std::min(certain.hi[c], tap.hi[c]);
+    }
+    for (std::size_t c = 0; c < 4; ++c) possible.hi[c] = std::min(possible.hi[c], certain.hi[c]);
+    return possible;
+}
+
 /// Ends of the way along the line: D3D11.3 leaves them open, so they are declared.
 double along_line(int probe, int probes, ProbePlacement placement) {
     switch (placement) {
@@ -359,9 +152,39 @@ double along_line(int probe, int probes, ProbePlacement placement) {
     return 0;
 }
 
+/// Minimum or maximum over all probes and levels whose weight is not 0. D3D11.3 5.9.4.5.6
+Bounds reduced(const Lookup& lookup, const Footprint& footprint, const Mips& mips, ProbePlacement placement, bool negate) {
+    struct Level {
+        int level = 0;
+        Range weight;
+    };
+    Bounds possible = nothing();
+    Color certain;
+    certain.fill(std::numeric_limits<double>::infinity());
+    for (const Level& level : {Level{mips.finer, {1 - mips.weight.hi, 1 - mips.weight.lo}}, Level{mips.coarser, mips.weight}}) {
+        if (level.weight.hi <= 0) continue;
+        for (int probe = 0; probe < footprint.probes; ++probe) {
+            Bounds one = nothing();
+            for (const Cell& cell :
+                 lookup.cells(level.level, mips.filter, footprint, along_line(probe, footprint.probes, placement)))
+                include(one, minimum(cell, negate));
+            include(possible, one);
+            if (level.weight.lo <= 0) continue;
+            for (std::size_t c = 0; c < 4; ++c) certain[c] = std::min(certain[c], one.hi[c]);
+        }
+    }
+    for (std::size_t c = 0; c < 4; ++c) possible.hi[c] = std::min(possible.hi[c], certain[c]);
+    return negate ? negated(possible) : possible;
+}
+
 /// Whether a result lies within what one footprint makes of one choice of levels; widens `seen` by that.
 bool reaches(const Lookup& lookup, const Footprint& footprint, const Mips& mips, ProbePlacement placement, const Color& result,
              Bounds& seen) {
+    if (lookup.reduction() != Reduction::Average && !footprint.any_weights) {
+        const Bounds all = reduced(lookup, footprint, mips, placement, lookup.reduction() == Reduction::Maximum);
+        include(seen, all);
+        return holds(all, result, lookup.tolerance());
+    }
     const bool one_level = mips.weight.hi == 0 || mips.finer == mips.coarser;
     const Range weight = one_level ? Range{0, 0} : mips.weight;
     if (!footprint.any_weights && footprint.probes == 1) {

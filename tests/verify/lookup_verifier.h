@@ -53,7 +53,7 @@ struct LookupPrecision {
     double color_absolute = 0;
     double color_relative = 0x1p-20;  // of the largest texel
     double border_error = 0;
-    bool reference_quantised = true;  // D3D11.3 22.4.19
+    bool reference_quantised = true;  // and clamped, D3D11.3 22.4.19; otherwise clamped or not
     // Choices.
     gnomon::LodRule lod_rule = gnomon::LodRule::Longest;
     bool ellipse_transform = true;            // for anisotropic filters. D3D11.3 7.18.11

@@ -1,3 +1,4 @@
+// Codes and their numbers, coordinates and gradients.
 #include "tests/verify/random_lookups.h"
 
 #include <algorithm>
@@ -164,6 +165,7 @@ Sampler random_sampler(Random& random, int levels) {
     }
     sampler.compare =
         random.chance(8) ? static_cast<CompareOp>(random.integer(0, 7)) : static_cast<CompareOp>(random.integer(1, 6));
+    if (random.chance(6)) sampler.reduction = random.chance(2) ? Reduction::Minimum : Reduction::Maximum;
     if (random.chance(3)) sampler.lod_bias = random.in(-1.5f, 1.5f);
     if (random.chance(5)) sampler.min_lod = random.in(0.0f, static_cast<float>(levels));
     if (random.chance(5)) sampler.max_lod = random.in(0.0f, static_cast<float>(levels));
@@ -190,8 +192,8 @@ SampleRequest random_request(Random& random, const Image& image, bool compares) 
 std::string description(const Sampler& s, const SampleRequest& r, const Color& result) {
     std::string text = std::string("min ") + std::string(name_of(s.min)) + " mag " + std::string(name_of(s.mag)) + " mip " +
                        std::string(name_of(s.mip)) + " address " + std::string(name_of(s.address_u)) + " " +
-                       std::string(name_of(s.address_v)) + " anisotropy " + std::to_string(s.max_anisotropy) + " compare " +
-                       std::string(name_of(s.compare));
+                       std::string(name_of(s.address_v)) + " anisotropy " + std::to_string(s.max_anisotropy) + " " +
+                       std::string(name_of(s.reduction)) + " compare " + std::string(name_of(s.compare));
     text += hex("bias", {s.lod_bias, r.lod_bias}) + hex("lod limits", {s.min_lod, s.max_lod});
     text += hex("border", {s.border[0], s.border[1], s.border[2], s.border[3]});
     text += hex("at", {r.coordinate[0], r.coordinate[1]});

@@ -1,3 +1,4 @@
+// D3D11.3 7.18 one sample at a time.
 #include "tests/verify/scalar_sampler.h"
 
 #include <algorithm>
@@ -51,7 +52,7 @@ Lod lod_of(const Image& image, const Sampler& sampler, const SampleRequest& requ
     const double height = image.levels[0].height;
     Vector dx{request.gradient->dx[0] * width, request.gradient->dx[1] * height};
     Vector dy{request.gradient->dy[0] * width, request.gradient->dy[1] * height};
-    make_orthogonal(dx, dy);
+    if (defect != Defect::EllipseIgnored) make_orthogonal(dx, dy);
     const bool is_major_x = dot(dx, dx) > dot(dy, dy);
     const Vector major = is_major_x ? dx : dy;
     const double length_major = std::sqrt(dot(major, major));
@@ -133,9 +134,16 @@ Color tap(const Image& image, const Sampler& sampler, const SampleRequest& reque
     return color;
 }
 
-Color mix(const Color& a, const Color& b, double w) {
+Color mix(const Sampler& sampler, const Color& a, const Color& b, double w, Defect defect) {
+    const Reduction reduction = defect == Defect::ReductionIgnored ? Reduction::Average : sampler.reduction;
+    if (reduction != Reduction::Average && w == 0) return a;
+    if (reduction != Reduction::Average && w == 1) return b;
     Color result;
-    for (std::size_t c = 0; c < 4; ++c) result[c] = a[c] * (1 - w) + b[c] * w;
+    for (std::size_t c = 0; c < 4; ++c) switch (reduction) {
+            case Reduction::Average: result[c] = a[c] * (1 - w) + b[c] * w; break;
+            case Reduction::Minimum: result[c] = std::min(a[c], b[c]); break;
+            case Reduction::Maximum: result[c] = std::max(a[c], b[c]); break;
+        }
     return result;
 }
 
@@ -145,8 +153,11 @@ Color sample_level(const Image& image, const Sampler& sampler, const SampleReque
     const Image::Level& texels = image.levels[static_cast<std::size_t>(level)];
     const bool linear = filter == TexelFilter::Linear;
     const double shift = linear && defect != Defect::CentreOffByHalf ? 0.5 : 0.0;
-    const double u = std::nearbyint((uv.u * texels.width - shift) * 256) / 256;
-    const double v = std::nearbyint((uv.v * texels.height - shift) * 256) / 256;
+    const auto fixed = [&](double x) {
+        return (defect == Defect::CoordinatesTruncated ? std::floor(x * 256) : std::nearbyint(x * 256)) / 256;
+    };
+    const double u = fixed(uv.u * texels.width - shift);
+    const double v = fixed(uv.v * texels.height - shift);
     const bool shifted = defect != Defect::OffsetAtLevel0Only || level == 0;
     const int x = static_cast<int>(std::floor(u)) + (shifted ? request.offset.x : 0);
     const int y = static_cast<int>(std::floor(v)) + (shifted ? request.offset.y : 0);
@@ -163,7 +174,7 @@ Color sample_level(const Image& image, const Sampler& sampler, const SampleReque
         b = std::floor(b * 64) / 64;
     }
     const auto at = [&](int i, int j) { return tap(image, sampler, request, level, {x + i, y + j}, defect); };
-    return mix(mix(at(0, 0), at(1, 0), a), mix(at(0, 1), at(1, 1), a), b);
+    return mix(sampler, mix(sampler, at(0, 0), at(1, 0), a, defect), mix(sampler, at(0, 1), at(1, 1), a, defect), b, defect);
 }
 
 /// All levels of one probe. D3D11.3 7.18.10
@@ -176,7 +187,8 @@ Color sample_probe(const Image& image, const Sampler& sampler, const SampleReque
     if (lod <= 0) return level(0, sampler.mag);
     switch (sampler.mip) {
         case MipFilter::Base: return level(0, sampler.min);
-        case MipFilter::Nearest: return level(static_cast<int>(std::floor(lod + 0.5)), sampler.min);
+        case MipFilter::Nearest:
+            return level(static_cast<int>(std::floor(lod + (defect == Defect::MipTruncated ? 0.0 : 0.5))), sampler.min);
         case MipFilter::Linear: break;
     }
     const int finer = static_cast<int>(std::floor(lod));
@@ -184,7 +196,7 @@ Color sample_probe(const Image& image, const Sampler& sampler, const SampleReque
     if (defect == Defect::Brilinear) w = w < 0.125 ? 0 : w > 0.875 ? 1 : w;
     if (defect == Defect::MipWeightsExchanged) w = 1 - w;
     if (defect == Defect::PointSampledMip) w = w < 0.5 ? 0 : 1;
-    return mix(level(finer, sampler.min), level(finer + 1, sampler.min), w);
+    return mix(sampler, level(finer, sampler.min), level(finer + 1, sampler.min), w, defect);
 }
 
 }  // namespace
@@ -207,6 +219,11 @@ const char* name_of(Defect defect) {
         case Defect::CentredProbes: return "centred probes";
         case Defect::MinorAxis: return "minor axis";
         case Defect::PointSampledMip: return "point-sampled mip";
+        case Defect::CoordinatesTruncated: return "coordinates truncated";
+        case Defect::LodLimitsIgnored: return "lod limits ignored";
+        case Defect::MipTruncated: return "mip truncated";
+        case Defect::EllipseIgnored: return "ellipse ignored";
+        case Defect::ReductionIgnored: return "reduction ignored";
         case Defect::OneCodeTooBright: return "one code too bright";
     }
     return "";
@@ -215,16 +232,21 @@ const char* name_of(Defect defect) {
 Color sample(const Image& image, const Sampler& sampler, const SampleRequest& request, Defect defect) {
     const Lod from_gradient = lod_of(image, sampler, request, defect);
     const double bias = static_cast<double>(sampler.lod_bias) + request.lod_bias + (defect == Defect::LodOffByHalf ? 0.5 : 0.0);
-    double lod = std::max<double>(sampler.min_lod, std::min<double>(sampler.max_lod, from_gradient.lod + bias));
+    double lod = from_gradient.lod + bias;
+    if (defect != Defect::LodLimitsIgnored) lod = std::max<double>(sampler.min_lod, std::min<double>(sampler.max_lod, lod));
     lod = std::nearbyint(lod * 256) / 256;
     Color sum{};
+    const bool averages = sampler.reduction == Reduction::Average || defect == Defect::ReductionIgnored;
     for (int k = 0; k < from_gradient.probes; ++k) {
         const double n = from_gradient.probes;
         const double along = defect == Defect::CentredProbes ? (k + 0.5) / n - 0.5 : (k + 1) / (n + 1) - 0.5;
         const Vector uv{request.coordinate[0] + along * from_gradient.line.u / image.levels[0].width,
                         request.coordinate[1] + along * from_gradient.line.v / image.levels[0].height};
         const Color color = sample_probe(image, sampler, request, lod, uv, defect);
-        for (std::size_t c = 0; c < 4; ++c) sum[c] += color[c] / n;
+        if (averages)
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += color[c] / n;
+        else
+            sum = k == 0 ? color : mix(sampler, sum, color, 0.5, defect);
     }
     if (defect == Defect::OneCodeTooBright)
         for (double& component : sum) component += 1.0 / 255;

@@ -24,7 +24,12 @@ enum class Defect {
     CentredProbes,         // probes at (k + 1/2) / N of the major axis instead of the declared (k + 1) / (N + 1)
     MinorAxis,             // probes along the minor axis
     PointSampledMip,       // one level where two are asked for
-    OneCodeTooBright,      // 1/255 added
+    CoordinatesTruncated,  // to 1/256 instead of rounded
+    LodLimitsIgnored,
+    MipTruncated,      // nearest level: floor(lod)
+    EllipseIgnored,    // the two derivative vectors as they are
+    ReductionIgnored,  // the mean instead of minimum or maximum
+    OneCodeTooBright,  // 1/255 added
 };
 
 /// All defects, without None.
@@ -32,8 +37,9 @@ inline constexpr std::array kDefects{
     Defect::FourBitWeights,   Defect::CentreOffByHalf,    Defect::WrapsAtLastTexel,     Defect::Brilinear,
     Defect::LodOffByHalf,     Defect::SwappedWeights,     Defect::MirrorSkipsEdge,      Defect::BorderIgnored,
     Defect::EqualityInverted, Defect::OffsetAtLevel0Only, Defect::WeightsTruncatedTo64, Defect::MipWeightsExchanged,
-    Defect::CentredProbes,    Defect::MinorAxis,          Defect::PointSampledMip,      Defect::OneCodeTooBright,
-};
+    Defect::CentredProbes,    Defect::MinorAxis,          Defect::PointSampledMip,      Defect::CoordinatesTruncated,
+    Defect::LodLimitsIgnored, Defect::MipTruncated,       Defect::EllipseIgnored,       Defect::ReductionIgnored,
+    Defect::OneCodeTooBright};
 
 const char* name_of(Defect defect);
 
