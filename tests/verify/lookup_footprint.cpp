@@ -105,8 +105,10 @@ std::vector<Axes> axes_of(Vector dx, Vector dy, bool transform, double error) {
     return all;
 }
 
+/// A scale of nothing may end at the smallest exponent instead of at minus infinity: either is far below what biases reach.
 Range log2_range(Range scale, const LookupPrecision& precision) {
-    return {std::log2(scale.lo) - precision.lod_error_low, std::log2(scale.hi) + precision.lod_error_high};
+    constexpr double kLowest = -60;
+    return {std::log2(scale.lo) - precision.lod_error_low, std::max(std::log2(scale.hi), kLowest) + precision.lod_error_high};
 }
 
 /// The scale factor of an isotropic filter, texels of level 0 per pixel.
@@ -163,11 +165,28 @@ Anisotropy d3d11_anisotropy(double major, double area, int limit, bool clamps_to
     return {ratio, minor};
 }
 
-/// EXT_texture_filter_anisotropic and Vulkan 1.3 16.6.7, before the ratio becomes whole.
+/// SwiftShader SamplerCore.cpp computeLod2D: the ratio as in D3D11.3, never lessened for minor axes below a texel.
+Anisotropy swiftshader_anisotropy(double major, double area, int limit) {
+    const double ratio = std::clamp(major * major / area, 1.0, static_cast<double>(limit));
+    return {ratio, major / ratio};
+}
+
+/// EXT_texture_filter_anisotropic and Vulkan 1.3 16.6.7, before the ratio becomes whole. The clamp concerns the level of
+/// detail: neither lessens the number of probes.
 Anisotropy length_anisotropy(double major, double minor, int limit, bool clamps_to_top) {
-    if (clamps_to_top) minor = std::max(minor, 1.0);
     const double ratio = std::clamp(major / minor, 1.0, static_cast<double>(limit));
     return {ratio, clamps_to_top ? std::max(1.0, major / ratio) : major / ratio};
+}
+
+Anisotropy anisotropy(const LookupPrecision& precision, int limit, double major, double minor, double area) {
+    switch (precision.aniso_rule) {
+        case AnisoRule::D3d11: return d3d11_anisotropy(major, area, limit, precision.aniso_clamps_to_top);
+        case AnisoRule::SwiftShader: return swiftshader_anisotropy(major, area, limit);
+        case AnisoRule::OpenGl:
+        case AnisoRule::Vulkan: return length_anisotropy(major, minor, limit, precision.aniso_clamps_to_top);
+        case AnisoRule::Llvmpipe: return {1, minor};  // Mesa 22.3.6 lp_build_pmin: the limit never takes effect
+    }
+    return {};
 }
 
 Footprint on_line(const Axes& axes, int probes, Range lod, const LookupPrecision& precision) {
@@ -178,6 +197,7 @@ Footprint on_line(const Axes& axes, int probes, Range lod, const LookupPrecision
     footprint.major_v = axes.major.v;
     footprint.major_error = axes.major_length.hi * axes.angle_error + (axes.major_length.hi - axes.major_length.lo) / 2;
     footprint.any_weights = precision.probe_placement == ProbePlacement::Ewa;
+    footprint.one_level = precision.aniso_rule == AnisoRule::Llvmpipe;
     footprint.unbounded = axes.worthless;
     return footprint;
 }
@@ -190,16 +210,14 @@ std::vector<Footprint> anisotropic(const Axes& axes, const Sampler& sampler, con
     Range scale{1e300, 0};
     for (const double major : {axes.major_length.lo, axes.major_length.hi})
         for (const bool low : {false, true}) {
-            const bool by_area = precision.aniso_rule == AnisoRule::D3d11 || precision.aniso_rule == AnisoRule::SwiftShader;
             const double area = low ? axes.determinant.lo : axes.determinant.hi;
             const double minor = low ? axes.minor_length.lo : axes.minor_length.hi;
-            const Anisotropy a = by_area ? d3d11_anisotropy(major, area, limit, precision.aniso_clamps_to_top)
-                                         : length_anisotropy(major, minor, limit, precision.aniso_clamps_to_top);
+            const Anisotropy a = anisotropy(precision, limit, major, minor, area);
             ratio = {std::min(ratio.lo, a.ratio), std::max(ratio.hi, a.ratio)};
             scale = {std::min(scale.lo, a.scale), std::max(scale.hi, a.scale)};
         }
-    ratio = around((ratio.lo + ratio.hi) / 2, error + (ratio.hi - ratio.lo) / (ratio.hi + ratio.lo));
-    scale = around((scale.lo + scale.hi) / 2, error + (scale.hi - scale.lo) / (scale.hi + scale.lo));
+    ratio = {ratio.lo * (1 - error), ratio.hi * (1 + error)};
+    scale = {scale.lo * (1 - error), scale.hi * (1 + error)};
 
     std::vector<Footprint> all;
     const int fewest = probes_of(ratio.lo, precision.probe_count, limit);

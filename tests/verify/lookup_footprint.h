@@ -22,6 +22,7 @@ struct Footprint {
     double extent_u = 0;     // half of the ellipse's bounding box, texels of level 0
     double extent_v = 0;
     bool any_weights = false;  // anything between the extremes of the texels in that box
+    bool one_level = false;    // with any weights: the finer or the coarser of two, unmixed
     bool unbounded = false;    // gradients too close to parallel for the arithmetic: anything the image holds
 };
 

@@ -217,8 +217,10 @@ bool reaches(const Lookup& lookup, const Footprint& footprint, const Mips& mips,
     Bounds all = finer;
     if (!one_level) {
         const Bounds coarser = level_bounds(mips.coarser);
-        all = lerp(finer, coarser, weight.lo);
-        include(all, lerp(finer, coarser, weight.hi));
+        // Of minima and maxima either level may hold the last; a filter of one level may choose either.
+        const bool either = lookup.reduction() != Reduction::Average || footprint.one_level;
+        all = lerp(finer, coarser, either ? 0 : weight.lo);
+        include(all, lerp(finer, coarser, either ? 1 : weight.hi));
     }
     include(seen, all);
     return holds(all, result, lookup.tolerance());
