@@ -3,7 +3,7 @@
 #include "sim/half.h"
 #include "sim/math.h"
 #include "techniques/gaussian.h"
-#include "texunit/lod.h"
+#include "texunit/aniso.h"
 #include "texunit/mipmap.h"
 #include "texunit/sample.h"
 
@@ -28,6 +28,7 @@ Texture make_texture(Format format, int size) {
 /// One sample instruction per wave over coherent coordinates; the rate is lanes per second.
 void sample_texture(benchmark::State& state, Format format, MipFilter mip, bool compare) {
     const Texture texture = make_texture(format, 512);
+    const TextureView view(texture);
     const Sampler sampler{.mip = mip, .address_u = AddressMode::Wrap, .address_v = AddressMode::Wrap};
     const Profile profile = profile_presets().front();
     float origin = 0;
@@ -35,9 +36,13 @@ void sample_texture(benchmark::State& state, Format format, MipFilter mip, bool 
     for (auto _ : state) {
         origin += 1.0f / 640.0f;
         const Vec2<Float> uv{Float(origin) + Float(lane_index()) * Float(1.0f / 700.0f), Float(origin * 0.7f)};
-        const Float lod = mip == MipFilter::Base ? Float(0.0f) : implicit_lod(uv, 512, 512, profile) + Float(0.5f);
-        sum += compare ? sample_compare(texture, sampler, profile, uv, Float(0.5f), lod)
-                       : sample(texture, sampler, profile, uv, lod).x;
+        LevelOfDetail<Float> lod(Float(0.0f));
+        if (mip != MipFilter::Base) {
+            lod = level_of_detail(quad_gradients(uv, profile), view, sampler, profile);
+            lod.lod = lod.lod + Float(0.5f);
+        }
+        sum +=
+            compare ? sample_compare(view, sampler, profile, uv, Float(0.5f), lod) : sample(view, sampler, profile, uv, lod).x;
     }
     benchmark::DoNotOptimize(lane(sum, 0));
     state.SetItemsProcessed(state.iterations() * kLanes);

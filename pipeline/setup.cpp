@@ -64,9 +64,14 @@ double depth_bias(const SetupState& state, double max_z, double slope) {
         case ComponentType::Depth16: step = 1.0 / 65535.0; break;
         case ComponentType::Depth24: step = 1.0 / 16777215.0; break;
         case ComponentType::Unorm8:
+        case ComponentType::Snorm8:
+        case ComponentType::Srgb8:
         case ComponentType::Unorm16:
+        case ComponentType::Snorm16:
         case ComponentType::Float16:
         case ComponentType::Float32:
+        case ComponentType::Uint32:
+        case ComponentType::Float11:
         case ComponentType::Depth32: {
             // 2^(exponent of the largest depth - 23)
             const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(max_z)) & 0x7fffffffu;

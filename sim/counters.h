@@ -22,6 +22,7 @@ struct Counters {
     std::uint64_t lanes_shaded = 0;          // of these quads, lanes that count
     std::uint64_t lanes_helper = 0;          // and lanes that only feed derivatives
     std::uint64_t texture_instructions = 0;  // per lane that counts
+    std::uint64_t texture_probes = 0;        // per lane that counts: filtered positions, 1 unless anisotropic
     std::uint64_t texels_fetched = 0;        // per lane that counts
     std::uint64_t invalid_derivatives = 0;   // derivatives, per lane that counts, taken in a quad with a helper lane
 
@@ -41,6 +42,7 @@ struct Counters {
                           Field{"lanes_shaded", &C::lanes_shaded},
                           Field{"lanes_helper", &C::lanes_helper},
                           Field{"texture_instructions", &C::texture_instructions},
+                          Field{"texture_probes", &C::texture_probes},
                           Field{"texels_fetched", &C::texels_fetched},
                           Field{"invalid_derivatives", &C::invalid_derivatives}};
     }

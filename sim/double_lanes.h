@@ -92,6 +92,9 @@ inline Double saturate(const Double& x) { return clamp(x, Double(0.0), Double(1.
 inline Double abs(const Double& x) {
     return Double::map([&](std::size_t i) { return std::fabs(x.v[i]); });
 }
+inline Double fused_multiply_add(const Double& a, const Double& b, const Double& c) {
+    return Double::map([&](std::size_t i) { return std::fma(a.v[i], b.v[i], c.v[i]); });
+}
 inline Double sqrt(const Double& x) {
     return Double::map([&](std::size_t i) { return std::sqrt(x.v[i]); });
 }
@@ -106,6 +109,24 @@ inline Float to_float(const Double& x) {
     return Float::load(out.data());
 }
 inline Float to_float(Float x) { return x; }
+
+/// To a float that any narrower format rounds as it would have rounded `x` itself: toward zero, with the last bit set where
+/// something was lost ("round to odd"). Double to half through binary32 would otherwise round twice.
+inline Float to_float_for_narrowing(const Double& x) {
+    std::array<float, kLanes> out;
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const float nearest = static_cast<float>(x.v[i]);
+        const double back = static_cast<double>(nearest);
+        auto bits = std::bit_cast<std::uint32_t>(nearest);
+        if (back == back && back != x.v[i]) {
+            if (std::fabs(back) > std::fabs(x.v[i])) --bits;  // away from zero: one step back
+            bits |= 1u;
+        }
+        out[i] = std::bit_cast<float>(bits);
+    }
+    return Float::load(out.data());
+}
+inline Float to_float_for_narrowing(Float x) { return x; }
 
 /// To integer toward zero: NaN gives 0, out of range saturates.
 inline Int truncate_to_int(const Double& x) {

@@ -38,6 +38,17 @@ inline Int unorm_from_float(const Double& x, int bits) {
     return truncate_to_int(limited * Double((1 << bits) - 1) + Double(0.5));
 }
 
+/// Code of x as an n-bit SNORM, in two's complement: NaN gives 0, clamp to [-1, 1], scale by 2^(n-1) - 1, add 1/2 away from
+/// zero, truncate. D3D11.3 3.2.3.4
+inline Int snorm_from_float(Float x, int bits) {
+    const Int magnitude = unorm_from_float(abs(x), bits - 1);
+    return select(x < Float(0.0f), Int(0) - magnitude, magnitude);
+}
+inline Int snorm_from_float(const Double& x, int bits) {
+    const Int magnitude = unorm_from_float(abs(x), bits - 1);
+    return select(x < Double(0.0), Int(0) - magnitude, magnitude);
+}
+
 inline Float float_from_unorm(Int code, int bits) { return Float(code) / Float(static_cast<float>((1 << bits) - 1)); }
 
 /// Nearest-even fixed point with `fraction_bits` below the point, as an integer count of 2^-fraction_bits; NaN gives 0,

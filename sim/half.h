@@ -25,49 +25,72 @@ Half half_from_float(float x, Narrowing narrowing);
 /// Exact. A signalling NaN becomes quiet.
 float float_from_half(Half x);
 
-/// The same on lanes; the half is in the lower 16 bits, the upper ones are 0.
-inline Int half_bits_from_float(Float x, Narrowing narrowing) {
-    const Int bits = bits_of(x);
-    const Int sign = shift_right_logical<16>(bits) & Int(0x8000);
-    const Int magnitude = bits & Int(0x7fffffff);
+/// Floats with 5 exponent bits on lanes: a half has 10 mantissa bits, the parts of r11g11b10f have 6 and 5.
+/// D3D11.3 3.1.5, 3.1.6
+///
+/// The magnitude of x in exponent and mantissa; the sign is not looked at. NaN keeps its upper payload bits and becomes quiet.
+template <int kMantissa>
+Int small_float_from_magnitude(Float x, Narrowing narrowing) {
+    constexpr int kDropped = 23 - kMantissa;
+    constexpr int kInfinity = 31 << kMantissa;
+    const Int magnitude = bits_of(x) & Int(0x7fffffff);
 
-    // Normal results: rebias the exponent from 127 to 15 and drop 13 bits.
+    // Normal results: rebias the exponent from 127 to 15 and drop the lower bits.
     const Int rebased = magnitude - Int(112 << 23);
-    // Denormal results: the mantissa with its leading one, shifted right until the exponent is that of 2^-24.
+    // Denormal results: the mantissa with its leading one, shifted right until the exponent is that of the smallest number.
     const Int exponent = shift_right_logical<23>(magnitude);
-    const Int shift = clamp(Int(126) - exponent, Int(0), Int(31));
+    const Int shift = clamp(Int(113 + kDropped) - exponent, Int(0), Int(31));
     const Int mantissa = (magnitude & Int(0x007fffff)) | Int(0x00800000);
     const Mask denormal = magnitude < Int(113 << 23);
 
     Int result;
     if (narrowing == Narrowing::TowardZero) {
-        result = select(denormal, shift_right_logical(mantissa, shift), shift_right_logical<13>(rebased));
-        result = min(result, Int(0x7bff));
+        result = select(denormal, shift_right_logical(mantissa, shift), shift_right_logical<kDropped>(rebased));
+        result = min(result, Int(kInfinity - 1));
     } else {
         // Add just under half a unit, and the unit's own lowest bit, so that ties go to even.
-        const Int odd_normal = shift_right_logical<13>(rebased) & Int(1);
-        const Int normal = shift_right_logical<13>(rebased + Int(0x0fff) + odd_normal);
+        const Int odd_normal = shift_right_logical<kDropped>(rebased) & Int(1);
+        const Int normal = shift_right_logical<kDropped>(rebased + Int((1 << (kDropped - 1)) - 1) + odd_normal);
         const Int odd = shift_right_logical(mantissa, shift) & Int(1);
         const Int below_half = shift_left(Int(1), max(shift - Int(1), Int(0))) - Int(1);
         const Int tiny = shift_right_logical(mantissa + below_half + odd, shift);
         result = select(denormal, tiny, normal);
-        result = min(result, Int(0x7c00));
+        result = min(result, Int(kInfinity));
     }
 
-    const Int special =
-        select(magnitude == Int(0x7f800000), Int(0x7c00), Int(0x7e00) | (shift_right_logical<13>(magnitude) & Int(0x03ff)));
-    return sign | select(magnitude >= Int(0x7f800000), special, result);
+    constexpr int kPayload = (1 << kMantissa) - 1;
+    const Int quiet = Int(kInfinity | 1 << (kMantissa - 1)) | (shift_right_logical<kDropped>(magnitude) & Int(kPayload));
+    const Int special = select(magnitude == Int(0x7f800000), Int(kInfinity), quiet);
+    return select(magnitude >= Int(0x7f800000), special, result);
 }
 
+/// Exact, without sign. A signalling NaN becomes quiet.
+template <int kMantissa>
+Int magnitude_from_small_float(Int code) {
+    constexpr int kRaised = 23 - kMantissa;
+    constexpr float kSmallest = 1.0f / static_cast<float>(1 << (14 + kMantissa));
+    const Int normal = shift_left<kRaised>(code) + Int(112 << 23);
+    const Int denormal = bits_of(Float(code) * Float(kSmallest));
+    const Int special = shift_left<kRaised>(code) | Int(0x7f800000);
+    const Int quiet = select(code > Int(31 << kMantissa), Int(0x00400000), Int(0));
+    const Int finite = select(code < Int(1 << kMantissa), denormal, normal);
+    return select(code >= Int(31 << kMantissa), special | quiet, finite);
+}
+
+/// The half is in the lower 16 bits, the upper ones are 0.
+inline Int half_bits_from_float(Float x, Narrowing narrowing) {
+    const Int sign = shift_right_logical<16>(bits_of(x)) & Int(0x8000);
+    return sign | small_float_from_magnitude<10>(x, narrowing);
+}
 inline Float float_from_half_bits(Int half) {
     const Int sign = shift_left<16>(half & Int(0x8000));
-    const Int magnitude = half & Int(0x7fff);
-    const Int normal = shift_left<13>(magnitude) + Int(112 << 23);
-    const Int denormal = bits_of(Float(magnitude) * Float(0x1p-24f));
-    const Int special = shift_left<13>(magnitude) | Int(0x7f800000);
-    const Int quiet = select(magnitude > Int(0x7c00), Int(0x00400000), Int(0));
-    const Int finite = select(magnitude < Int(0x0400), denormal, normal);
-    return float_of_bits(sign | select(magnitude >= Int(0x7c00), special | quiet, finite));
+    return float_of_bits(sign | magnitude_from_small_float<10>(half & Int(0x7fff)));
+}
+
+/// An unsigned small float: what is below zero becomes 0, minus infinity included; NaN stays NaN. D3D11.3 3.1.6, 3.2.2
+template <int kMantissa>
+Int unsigned_float_bits_from_float(Float x, Narrowing narrowing) {
+    return select(x < Float(0.0f), Int(0), small_float_from_magnitude<kMantissa>(x, narrowing));
 }
 
 }  // namespace gnomon

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -175,6 +176,19 @@ inline Float max(Float a, Float b) { return select((a > b) | is_nan(b), a, b); }
 inline Float clamp(Float x, Float low, Float high) { return min(max(x, low), high); }
 inline Float saturate(Float x) { return clamp(x, Float(0.0f), Float(1.0f)); }
 
+/// a b + c with one rounding, on any instruction set: what a model of fused hardware asks for by name.
+inline Float fused_multiply_add(Float a, Float b, Float c) {
+#if HWY_NATIVE_FMA
+    return Float(hn::MulAdd(a.v, b.v, c.v));
+#else
+    const auto x = a.lanes();
+    const auto y = b.lanes();
+    auto z = c.lanes();
+    for (std::size_t i = 0; i < z.size(); ++i) z[i] = std::fma(x[i], y[i], z[i]);
+    return Float::load(z.data());
+#endif
+}
+
 inline Float abs(Float x) { return Float(hn::Abs(x.v)); }
 inline Float sqrt(Float x) { return Float(hn::Sqrt(x.v)); }  // correctly rounded
 // NaN and infinities stay, and so does the sign of a zero: Highway loses it where it has no instruction to round.
@@ -202,6 +216,20 @@ inline Int bounded_round_to_int(Float x) { return Int(hn::NearestInt(select(is_n
 /// Reads 32 bits per lane at `base + byte_offset`; every lane is read, so every offset must be valid.
 inline Int gather_bits(const std::byte* base, Int byte_offset) {
     return Int(hn::GatherOffset(detail::IntTag{}, reinterpret_cast<const std::int32_t*>(base), byte_offset.v));
+}
+/// Reads two words per lane at `base + byte_offset`: half the loads of two gathers of one word.
+struct IntPair {
+    Int first, second;
+};
+inline IntPair gather_pairs(const std::byte* base, Int byte_offset) {
+    const hn::RepartitionToWide<detail::IntTag> wide;
+    const hn::Half<detail::IntTag> half;
+    const auto* words = reinterpret_cast<const std::int64_t*>(base);
+    const auto lower = hn::GatherOffset(wide, words, hn::PromoteTo(wide, hn::LowerHalf(half, byte_offset.v)));
+    const auto upper = hn::GatherOffset(wide, words, hn::PromoteTo(wide, hn::UpperHalf(half, byte_offset.v)));
+    const auto a = hn::BitCast(detail::IntTag{}, lower);
+    const auto b = hn::BitCast(detail::IntTag{}, upper);
+    return {Int(hn::ConcatEven(detail::IntTag{}, b, a)), Int(hn::ConcatOdd(detail::IntTag{}, b, a))};
 }
 /// table[index] per lane.
 inline Int gather(const std::int32_t* table, Int index) { return Int(hn::GatherIndex(detail::IntTag{}, table, index.v)); }

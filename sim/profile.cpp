@@ -11,21 +11,6 @@ namespace gnomon {
 
 namespace {
 
-std::vector<Profile> make_presets() {
-    const Profile d3d11{.name = "d3d11", .summary = "the Direct3D 11.3 functional specification; the default"};
-    Profile ideal = d3d11;
-    ideal.name = "ideal";
-    ideal.summary = "double arithmetic and exact weights: the yardstick";
-    ideal.arithmetic = Arithmetic::Fp64;
-    ideal.flush_denormals = false;
-    ideal.float_narrowing = Narrowing::NearestEven;
-    ideal.texel_fraction_bits = kExactBits;
-    ideal.lod_fraction_bits = kExactBits;
-    ideal.lod_sharing = LodSharing::Pixel;
-    ideal.compare_reference = CompareReference::Raw;
-    return {d3d11, ideal};
-}
-
 void write_field(nlohmann::ordered_json& json, const std::string& key, const std::string& value) { json[key] = value; }
 void write_field(nlohmann::ordered_json& json, const std::string& key, bool value) { json[key] = value; }
 void write_field(nlohmann::ordered_json& json, const std::string& key, int value) {
@@ -67,11 +52,6 @@ void read_field(const nlohmann::json& json, const std::string& what, E& value) {
 }
 
 }  // namespace
-
-std::span<const Profile> profile_presets() {
-    static const std::vector<Profile> presets = make_presets();
-    return presets;
-}
 
 std::string profile_to_json(const Profile& profile) {
     nlohmann::ordered_json json;

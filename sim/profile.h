@@ -1,12 +1,12 @@
-// A hardware profile: everything in which GPUs differ, as data. docs/profiles.md explains each field.
+// A hardware profile: everything in which GPUs differ, as data. docs/profiles.md explains each field, profile_choices.h what
+// each may be, profile_presets.cpp where each preset has it from.
 //
 // `d3d11` is what the Direct3D 11.3 functional specification says, `ideal` is the yardstick: double arithmetic and exact
 // weights.
 #pragma once
 
-#include "sim/enum_names.h"
 #include "sim/fields.h"
-#include "sim/half.h"
+#include "sim/profile_choices.h"
 
 #include <filesystem>
 #include <span>
@@ -15,58 +15,46 @@
 
 namespace gnomon {
 
-/// The type that shaders, interpolators and texture filters compute in.
-enum class Arithmetic { Fp32, Fp64 };
-template <>
-inline constexpr std::array kEnumNames<Arithmetic>{EnumName{Arithmetic::Fp32, "fp32"}, EnumName{Arithmetic::Fp64, "fp64"}};
-
-template <>
-inline constexpr std::array kEnumNames<Narrowing>{EnumName{Narrowing::TowardZero, "toward-zero"},
-                                                  EnumName{Narrowing::NearestEven, "nearest-even"}};
-
-/// How a texel coordinate becomes fixed point.
-enum class FixedRounding { NearestEven, Truncate };
-template <>
-inline constexpr std::array kEnumNames<FixedRounding>{EnumName{FixedRounding::NearestEven, "nearest-even"},
-                                                      EnumName{FixedRounding::Truncate, "truncate"}};
-
-/// How the four taps of a bilinear filter are combined.
-enum class BilinearForm {
-    Lerp,      // u first, then v, each a + w (b - a): keeps constants constant. D3D11.3 7.18.16.3
-    Products,  // the sum of the four texels times wU wV, in the order of D3D11.3 7.18.8
-};
-template <>
-inline constexpr std::array kEnumNames<BilinearForm>{EnumName{BilinearForm::Lerp, "lerp"},
-                                                     EnumName{BilinearForm::Products, "products"}};
-
-/// Whether the lanes of a quad share one level of detail.
-enum class LodSharing { Quad, Pixel };
-template <>
-inline constexpr std::array kEnumNames<LodSharing>{EnumName{LodSharing::Quad, "quad"}, EnumName{LodSharing::Pixel, "pixel"}};
-
-/// What happens to the reference value of a comparison before it meets the texel.
-enum class CompareReference { Quantised, Raw };
-template <>
-inline constexpr std::array kEnumNames<CompareReference>{EnumName{CompareReference::Quantised, "quantised"},
-                                                         EnumName{CompareReference::Raw, "raw"}};
-
-/// Number of fraction bits that means "not quantised at all".
-inline constexpr int kExactBits = -1;
-
 struct Profile {
     std::string name;
     std::string summary;
 
+    // Arithmetic and storage.
     Arithmetic arithmetic = Arithmetic::Fp32;
-    bool flush_denormals = true;                                       // D3D11.3 3.1.3.2
-    Narrowing float_narrowing = Narrowing::TowardZero;                 // D3D11.3 3.2.2
-    int raster_subpixel_bits = 8;                                      // D3D11.3 3.4.1; 1 to 8
-    int texel_fraction_bits = 8;                                       // D3D11.3 7.18.8; 1 to 8 or kExactBits
-    FixedRounding texel_rounding = FixedRounding::NearestEven;         // D3D11.3 3.2.4.1
-    BilinearForm bilinear_form = BilinearForm::Lerp;                   // D3D11.3 7.18.8, 7.18.16.3
-    int lod_fraction_bits = 8;                                         // D3D11.3 7.18.10; 1 to 8 or kExactBits
-    LodSharing lod_sharing = LodSharing::Quad;                         // D3D11.3 7.18.11 allows both; assumed
-    CompareReference compare_reference = CompareReference::Quantised;  // D3D11.3 22.4.19
+    bool flush_denormals = true;
+    Narrowing float_narrowing = Narrowing::TowardZero;
+    // Rasteriser.
+    int raster_subpixel_bits = 8;  // 1 to 8
+    // Texture unit: addresses and weights.
+    AddressArithmetic address_arithmetic = AddressArithmetic::FixedPoint;
+    int texel_fraction_bits = 8;  // 1 to 8 or kExactBits
+    FixedRounding texel_rounding = FixedRounding::NearestEven;
+    TexelCarry texel_carry = TexelCarry::Texel;
+    // Texture unit: texels and filter.
+    BilinearForm bilinear_form = BilinearForm::Lerp;
+    UnormDecode unorm_decode = UnormDecode::Divide;
+    UnormFilter unorm_filter = UnormFilter::Float;
+    bool filters_float32 = true;  // false: formats of 32-bit floats are point-sampled whatever the sampler says
+    BorderPrecision border_precision = BorderPrecision::Float;
+    CompareReference compare_reference = CompareReference::Quantised;
+    CubeEdges cube_edges = CubeEdges::Seamless;
+    CubeCorner cube_corner = CubeCorner::ThreeTexels;
+    // Texture unit: level of detail.
+    LodRule lod_rule = LodRule::Longest;
+    Log2Model log2_model = Log2Model::Exact;
+    int lod_fraction_bits = 8;  // 1 to 8 or kExactBits
+    FixedRounding lod_rounding = FixedRounding::NearestEven;
+    LodSharing lod_sharing = LodSharing::Quad;
+    MipTie mip_tie = MipTie::Up;
+    // Texture unit: anisotropy.
+    AnisoRule aniso_rule = AnisoRule::D3d11;
+    bool ellipse_transform = true;     // derivatives become the orthogonal axes of their ellipse first. D3D11.3 7.18.11
+    bool aniso_clamps_to_top = false;  // a minor axis below one texel counts as one. D3D11.3 7.18.11, "clamp to top LOD"
+    ProbeCount probe_count = ProbeCount::Ceil;
+    ProbePlacement probe_placement = ProbePlacement::Interior;
+    AnisoLimits aniso_limits = AnisoLimits::Any;
+    // Mip generation.
+    MipGeneration mip_generation = MipGeneration::Box;
 
     static constexpr auto fields() {
         using P = Profile;
@@ -76,18 +64,59 @@ struct Profile {
                           Field{"flush_denormals", &P::flush_denormals},
                           Field{"float_narrowing", &P::float_narrowing},
                           Field{"raster_subpixel_bits", &P::raster_subpixel_bits},
+                          Field{"address_arithmetic", &P::address_arithmetic},
                           Field{"texel_fraction_bits", &P::texel_fraction_bits},
                           Field{"texel_rounding", &P::texel_rounding},
+                          Field{"texel_carry", &P::texel_carry},
                           Field{"bilinear_form", &P::bilinear_form},
+                          Field{"unorm_decode", &P::unorm_decode},
+                          Field{"unorm_filter", &P::unorm_filter},
+                          Field{"filters_float32", &P::filters_float32},
+                          Field{"border_precision", &P::border_precision},
+                          Field{"compare_reference", &P::compare_reference},
+                          Field{"cube_edges", &P::cube_edges},
+                          Field{"cube_corner", &P::cube_corner},
+                          Field{"lod_rule", &P::lod_rule},
+                          Field{"log2_model", &P::log2_model},
                           Field{"lod_fraction_bits", &P::lod_fraction_bits},
+                          Field{"lod_rounding", &P::lod_rounding},
                           Field{"lod_sharing", &P::lod_sharing},
-                          Field{"compare_reference", &P::compare_reference}};
+                          Field{"mip_tie", &P::mip_tie},
+                          Field{"aniso_rule", &P::aniso_rule},
+                          Field{"ellipse_transform", &P::ellipse_transform},
+                          Field{"aniso_clamps_to_top", &P::aniso_clamps_to_top},
+                          Field{"probe_count", &P::probe_count},
+                          Field{"probe_placement", &P::probe_placement},
+                          Field{"aniso_limits", &P::aniso_limits},
+                          Field{"mip_generation", &P::mip_generation}};
     }
     bool operator==(const Profile&) const = default;
 };
 
+/// How sure a field of a preset is.
+enum class Certainty {
+    Specified,   // a specification says so
+    Documented,  // its maker says so, in documentation or in published source
+    Measured,    // somebody measured it
+    Assumed,     // nobody outside knows; the choice is ours
+};
+template <>
+inline constexpr std::array kEnumNames<Certainty>{
+    EnumName{Certainty::Specified, "specified"}, EnumName{Certainty::Documented, "documented"},
+    EnumName{Certainty::Measured, "measured"}, EnumName{Certainty::Assumed, "assumed"}};
+
+/// Where a preset has the value of one field from.
+struct Provenance {
+    std::string_view field;
+    Certainty certainty = Certainty::Assumed;
+    std::string_view source;
+};
+
 /// The presets, `d3d11` first.
 std::span<const Profile> profile_presets();
+
+/// One entry per field of the preset but name and summary, in their order; empty for other profiles.
+std::span<const Provenance> provenance_of(std::string_view preset);
 
 /// The profile as a JSON object; every field, in order.
 std::string profile_to_json(const Profile& profile);

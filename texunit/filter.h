@@ -1,10 +1,11 @@
-// Taps to a value: bilinear within a level, linear between levels. D3D11.3 7.18.8, 7.18.10
+// Texels to a value: bilinear within a level, linear between levels, the mean over probes. D3D11.3 7.18.8, 7.18.10, 5.9.4.5.6
 #pragma once
 
 #include "sim/profile.h"
 #include "texunit/footprint.h"
 
 #include <array>
+#include <limits>
 
 namespace gnomon {
 
@@ -17,51 +18,173 @@ Real weighted_sum(const Real& a, const Real& b, const Real& weight) {
 }
 
 /// a + w (b - a), which keeps constants constant and is monotone in w. D3D11.3 7.18.16.3
-/// Where that makes a NaN (infinities cancel in it), the weighted sum decides.
+/// Where that is not finite (infinities cancel in it, differences overflow), the weighted sum decides.
 template <class Real>
 GNOMON_INLINE Real lerp(const Real& a, const Real& b, const Real& weight) {
     const Real result = a + weight * (b - a);
-    const Mask nan = is_nan(result);
-    if (none(nan)) [[likely]]
+    const Mask finite = abs(result) < Real(std::numeric_limits<float>::infinity());
+    if (all(finite)) [[likely]]
         return result;
-    return select(nan, weighted_sum(a, b, weight), result);
+    return select(finite, result, weighted_sum(a, b, weight));
 }
 
-/// Filters what `tap(byte_offset, outside)` returns for the texels of a footprint, component by component.
-template <std::size_t kCount, class Real, class Tap>
-GNOMON_INLINE std::array<Real, kCount> filter_footprint(const Footprint<Real>& f, BilinearForm form, const Tap& tap) {
-    if (!f.linear) return tap(f.column[0] + f.row[0], f.column_outside[0] | f.row_outside[0]);
+/// How one instruction combines taps and levels.
+struct Blend {
+    BilinearForm form = BilinearForm::Lerp;
+    TexelCarry carry = TexelCarry::Texel;
+    bool rounds_to_codes = false;  // operands are 8-bit codes and results are rounded to codes. UnormFilter::Llvmpipe
+};
 
-    const auto at = [&](std::size_t x, std::size_t y) {
-        return tap(f.column[x] + f.row[y], f.column_outside[x] | f.row_outside[y]);
-    };
-    const auto t00 = at(0, 0);
-    const auto t10 = at(1, 0);
-    const auto t01 = at(0, 1);
-    const auto t11 = at(1, 1);
+/// a (1 - w) + b w for codes: the weight cut to 8 bits, the product rounded. Mesa 22.3.6 lp_bld_arit.c, lp_build_lerp_simple
+template <class Real>
+Real rounded_lerp(const Real& a, const Real& b, const Real& weight) {
+    const Real steps = floor(weight * Real(256.0f));
+    return a + floor((steps * (b - a) + Real(128.0f)) * Real(1.0f / 256.0f));
+}
 
+template <class Real>
+GNOMON_INLINE Real blend(const Real& a, const Real& b, const Real& weight, const Blend& how) {
+    if (how.rounds_to_codes) [[unlikely]]
+        return rounded_lerp(a, b, weight);
+    switch (how.form) {
+        case BilinearForm::Lerp: return lerp(a, b, weight);
+        case BilinearForm::Products: return a * (Real(1.0f) - weight) + b * weight;
+        case BilinearForm::PlainLerp: return a + weight * (b - a);
+        case BilinearForm::FusedLerp: return fused_multiply_add(weight, b - a, a);
+    }
+    __builtin_unreachable();
+}
+
+/// The texels of a footprint, component by component.
+template <std::size_t kCount, class Value>
+using Texels = std::array<std::array<Value, kCount>, 4>;
+
+/// What `tap(byte_offset, outside)` returns for the texels of a footprint. Where a cube has no texel, the mean of its three
+/// neighbours or of the adjacent two stands in. D3D11.3 7.18.12
+template <std::size_t kCount, class Value, class Real, class Tap>
+GNOMON_INLINE Texels<kCount, Value> read_texels(const Footprint<Real>& f, CubeCorner corner_rule, const Tap& tap) {
+    Texels<kCount, Value> t;
+    t[0] = tap(f.offset[0], f.outside[0]);
+    if (!f.linear) return t;
+    for (std::size_t i = 1; i < 4; ++i) t[i] = tap(f.offset[i], f.outside[i]);
+    if constexpr (!std::is_same_v<Value, Int>) {
+        if (!f.has_corner) return t;
+        const Texels<kCount, Value> faces = t;
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t c = 0; c < kCount; ++c) {
+                // As the first plus differences, so that equal texels stay what they are.
+                const Value& beside = faces[i ^ 1][c];
+                const Value& above = faces[i ^ 2][c];
+                const Value& across = faces[i ^ 3][c];
+                const Value mean = corner_rule == CubeCorner::ThreeTexels
+                                       ? beside + ((above - beside) + (across - beside)) / Value(3.0f)
+                                       : beside + (above - beside) * Value(0.5f);
+                t[i][c] = select(f.corner[i], mean, t[i][c]);
+            }
+        }
+    }
+    return t;
+}
+
+/// D3D11.3 7.18.8. Lanes of weight 1 (TexelCarry::Weight) get the right or lower texel exactly.
+template <std::size_t kCount, class Real>
+GNOMON_INLINE std::array<Real, kCount> bilinear(const Texels<kCount, Real>& t, const Real& u, const Real& v, const Blend& how) {
     std::array<Real, kCount> result;
+    const Real one(1.0f);
+    const bool carries = how.carry == TexelCarry::Weight;
     for (std::size_t c = 0; c < kCount; ++c) {
-        if (form == BilinearForm::Lerp) {
-            result[c] = lerp(lerp(t00[c], t10[c], f.fraction_u), lerp(t01[c], t11[c], f.fraction_u), f.fraction_v);
+        if (how.form != BilinearForm::Products || how.rounds_to_codes) {
+            Real left = t[0][c];
+            Real left_below = t[2][c];
+            if (carries) {
+                left = select(u == one, t[1][c], left);
+                left_below = select(u == one, t[3][c], left_below);
+            }
+            Real upper = blend(left, t[1][c], u, how);
+            const Real lower = blend(left_below, t[3][c], u, how);
+            if (carries) upper = select(v == one, lower, upper);
+            result[c] = blend(upper, lower, v, how);
         } else {
-            const Real floor_u = Real(1.0f) - f.fraction_u;
-            const Real floor_v = Real(1.0f) - f.fraction_v;
-            result[c] = ((t00[c] * floor_u * floor_v + t01[c] * floor_u * f.fraction_v) + t10[c] * f.fraction_u * floor_v) +
-                        t11[c] * f.fraction_u * f.fraction_v;
+            const Real floor_u = one - u;
+            const Real floor_v = one - v;
+            result[c] = ((t[0][c] * floor_u * floor_v + t[2][c] * floor_u * v) + t[1][c] * u * floor_v) + t[3][c] * u * v;
         }
     }
     return result;
 }
 
-/// Weight 0 gives exactly `fine`, so that a coarser level that nobody needs cannot leak its NaN in. D3D11.3 7.18.16.2
+/// The smallest or largest of the texels whose weight is not 0. D3D11.3 5.9.4.5.6
 template <std::size_t kCount, class Real>
-GNOMON_INLINE std::array<Real, kCount> mix_levels(const std::array<Real, kCount>& fine, const std::array<Real, kCount>& coarse,
-                                                  const Real& fraction) {
+std::array<Real, kCount> extreme(const Texels<kCount, Real>& t, const Real& u, const Real& v, Reduction reduction) {
+    const Real zero(0.0f);
+    const Real one(1.0f);
+    const std::array<Mask, 4> counts{(u < one) & (v < one), (u > zero) & (v < one), (u < one) & (v > zero),
+                                     (u > zero) & (v > zero)};
     std::array<Real, kCount> result;
-    for (std::size_t c = 0; c < kCount; ++c)
-        result[c] = select(fraction > Real(0.0f), lerp(fine[c], coarse[c], fraction), fine[c]);
+    for (std::size_t c = 0; c < kCount; ++c) {
+        result[c] = Real(std::numeric_limits<float>::quiet_NaN());  // loses against every number
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Real candidate = reduction == Reduction::Minimum ? min(result[c], t[i][c]) : max(result[c], t[i][c]);
+            result[c] = select(counts[i], candidate, result[c]);
+        }
+    }
     return result;
 }
+
+/// Two levels. Weight 0 gives exactly `fine`, so that a coarser level that nobody needs cannot leak its NaN in.
+/// D3D11.3 7.18.10, 7.18.16.2
+template <std::size_t kCount, class Real>
+GNOMON_INLINE std::array<Real, kCount> mix_levels(const std::array<Real, kCount>& fine, const std::array<Real, kCount>& coarse,
+                                                  const Real& fraction, Reduction reduction, const Blend& how) {
+    std::array<Real, kCount> result;
+    for (std::size_t c = 0; c < kCount; ++c) {
+        const Real mixed = reduction == Reduction::Average   ? blend(fine[c], coarse[c], fraction, how)
+                           : reduction == Reduction::Minimum ? min(fine[c], coarse[c])
+                                                             : max(fine[c], coarse[c]);
+        result[c] = select(fraction > Real(0.0f), mixed, fine[c]);
+    }
+    return result;
+}
+
+/// The mean of probes one at a time: m + (x - m) / k keeps constants constant and stays between smallest and largest; where it
+/// is not finite, the sum over the count decides.
+template <std::size_t kCount, class Real>
+class ProbeMean {
+public:
+    explicit ProbeMean(Reduction reduction) : reduction_(reduction) {}
+
+    /// Lanes not in `active` have had their last probe.
+    GNOMON_INLINE void add(const std::array<Real, kCount>& probe, Mask active) {
+        const Real share = Real(1.0f) / Real(static_cast<float>(++count_));
+        for (std::size_t c = 0; c < kCount; ++c) {
+            Real next = probe[c];
+            if (count_ > 1) {
+                next = reduction_ == Reduction::Average   ? mean_[c] + (probe[c] - mean_[c]) * share
+                       : reduction_ == Reduction::Minimum ? min(mean_[c], probe[c])
+                                                          : max(mean_[c], probe[c]);
+                mean_[c] = select(active, next, mean_[c]);
+                sum_[c] = select(active, sum_[c] + probe[c], sum_[c]);
+            } else {
+                mean_[c] = next;
+                sum_[c] = next;
+            }
+        }
+    }
+    [[nodiscard]] std::array<Real, kCount> mean(Int probes) const {
+        if (reduction_ != Reduction::Average) return mean_;
+        std::array<Real, kCount> result = mean_;
+        for (std::size_t c = 0; c < kCount; ++c) {
+            const Mask finite = abs(mean_[c]) < Real(std::numeric_limits<float>::infinity());
+            if (!all(finite)) result[c] = select(finite, mean_[c], sum_[c] / Real(probes));
+        }
+        return result;
+    }
+
+private:
+    Reduction reduction_;
+    int count_ = 0;
+    std::array<Real, kCount> mean_;
+    std::array<Real, kCount> sum_;
+};
 
 }  // namespace gnomon

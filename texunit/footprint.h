@@ -1,8 +1,12 @@
-// What one sample reads of one mip level: the texels and their weights, as a value. D3D11.3 7.18.7, 7.18.8
+// What one sample reads of one mip level: the texels and their weights, as a value. D3D11.3 7.18.7, 7.18.8, 7.18.12
 #pragma once
 
 #include "texunit/address.h"
-#include "texunit/texture.h"
+#include "texunit/cube.h"
+#include "texunit/peer_address.h"
+#include "texunit/view.h"
+
+#include <glm/vec2.hpp>
 
 #include <array>
 
@@ -27,43 +31,114 @@ GNOMON_INLINE LevelLanes locate_level(const LevelTable& table, Int level) {
             gather(table.height.data(), level)};
 }
 
-/// The 2x2 texels around a position, or the one that holds it (`linear` false: only index 0 counts).
+/// Everything about a sample instruction that its probes and levels share.
+struct Lookup {
+    const TextureView& view;
+    const Sampler& sampler;
+    const Profile& profile;
+    glm::ivec2 offset;                 // texels
+    Int layer;                         // slice of an array, face of a cube
+    bool integer_coordinates = false;  // SwiftShader's 16-bit coordinates: UNORM formats under nearest filters
+    bool fixed_coordinates = false;    // llvmpipe's 24.8 coordinates: its 8-bit filter
+};
+
+/// By the profile's arithmetic; `coordinate` has been through reduce_range where that is the specification's.
+template <class Real>
+GNOMON_INLINE AxisTexels<Real> axis_texels(const Lookup& lookup, const Real& coordinate, Int size, int base_size, bool linear,
+                                           bool vertical) {
+    const AddressMode mode = vertical ? lookup.sampler.address_v : lookup.sampler.address_u;
+    const int offset = vertical ? lookup.offset.y : lookup.offset.x;
+    const AddressArithmetic arithmetic = lookup.profile.address_arithmetic;
+    if (arithmetic == AddressArithmetic::FixedPoint) [[likely]]
+        return fixed_point_texels(coordinate, size, linear, mode, offset, lookup.profile);
+    const PeerAxis axis{.size = size,
+                        .base_power_of_two = (base_size & (base_size - 1)) == 0,
+                        .linear = linear,
+                        .mode = mode,
+                        .offset = offset};
+    const Float c = to_float(coordinate);
+    const AxisTexels<Float> peer = lookup.fixed_coordinates ? llvmpipe_fixed_texels(c, axis)
+                                   : arithmetic == AddressArithmetic::Llvmpipe
+                                       ? llvmpipe_texels(c, axis)
+                                       : swiftshader_texels(c, axis, lookup.integer_coordinates);
+    return {peer.texel, peer.outside, Real(peer.fraction)};
+}
+
+/// The 2x2 texels around a position in the order (0, 0), (1, 0), (0, 1), (1, 1), or the one that holds it (`linear` false: only
+/// index 0 counts).
 template <class Real>
 struct Footprint {
     bool linear = false;
-    std::array<Int, 2> column;           // byte offset of each texel column, address mode applied
-    std::array<Int, 2> row;              // byte offset of each texel row
-    std::array<Mask, 2> column_outside;  // border mode: the column or row takes the border colour
-    std::array<Mask, 2> row_outside;
-    Real fraction_u;  // weight of column 1, [0, 1)
-    Real fraction_v;  // weight of row 1, [0, 1)
+    bool has_corner = false;
+    std::array<Int, 4> offset;    // bytes from the start of the texture
+    std::array<Mask, 4> outside;  // border mode: the texel takes the border colour
+    std::array<Mask, 4> corner;   // cubes, where has_corner: there is no such texel, its neighbours stand in for it
+    Real fraction_u;              // weight of the right column, [0, 1]
+    Real fraction_v;              // weight of the lower row, [0, 1]
 };
 
-/// `reduced_u` and `reduced_v` come from reduce_range.
+/// Of `level` in the texture, at a coordinate that has been through reduce_range.
 template <class Real>
-GNOMON_INLINE Footprint<Real> make_footprint(const LevelLanes& level, const Vec2<Real>& reduced, bool linear,
-                                             int bytes_per_texel, const Sampler& sampler, const Profile& profile) {
-    // Scale by the level's size, go to the corner of the 2x2 block for linear, convert to fixed point.
+GNOMON_INLINE Footprint<Real> make_footprint(const Lookup& lookup, const LevelLanes& level, const Vec2<Real>& reduced,
+                                             bool linear) {
+    const AxisTexels<Real> u = axis_texels(lookup, reduced.x, level.width, lookup.view.width(), linear, false);
+    const AxisTexels<Real> v = axis_texels(lookup, reduced.y, level.height, lookup.view.height(), linear, true);
+
+    Footprint<Real> footprint{
+        .linear = linear, .offset = {}, .outside = {}, .corner = {}, .fraction_u = u.fraction, .fraction_v = v.fraction};
+    const Texture& texture = lookup.view.texture();
+    Int origin = level.offset;
+    if (texture.desc().layers > 1) origin += lookup.layer * Int(texture.layer_stride());
+    const Int bytes(texture.info().bytes_per_texel);
+    const std::size_t side = linear ? 2 : 1;
+    std::array<Int, 2> row;
+    std::array<Int, 2> column;
+    for (std::size_t i = 0; i < side; ++i) {
+        column[i] = u.texel[i] * bytes;
+        row[i] = v.texel[i] * level.pitch + origin;
+    }
+    for (std::size_t y = 0; y < side; ++y) {
+        for (std::size_t x = 0; x < side; ++x) {
+            footprint.offset[2 * y + x] = column[x] + row[y];
+            footprint.outside[2 * y + x] = u.outside[x] | v.outside[y];
+        }
+    }
+    return footprint;
+}
+
+/// The same on a cube, whose edges are seams where the profile says so; the sampler's address modes do not count.
+template <class Real>
+[[gnu::noinline]] Footprint<Real> make_cube_footprint(const Lookup& lookup, const LevelLanes& level,
+                                                      const Vec2<Real>& coordinate, bool linear) {
+    const Profile& profile = lookup.profile;
     const Real corner(linear ? 0.5f : 0.0f);
+    const Vec2<Real> reduced{reduce_range(coordinate.x, AddressMode::Clamp), reduce_range(coordinate.y, AddressMode::Clamp)};
     const TexelPosition<Real> u = to_texel(reduced.x * Real(level.width) - corner, profile);
     const TexelPosition<Real> v = to_texel(reduced.y * Real(level.height) - corner, profile);
+    const Int size = level.width;
+    const Int last = size - Int(1);
 
-    // Wrap each texel index separately.
-    Footprint<Real> footprint{.linear = linear,
-                              .column = {},
-                              .row = {},
-                              .column_outside = {},
-                              .row_outside = {},
-                              .fraction_u = u.fraction,
-                              .fraction_v = v.fraction};
-    const std::size_t taps = linear ? 2 : 1;
-    for (std::size_t i = 0; i < taps; ++i) {
-        const Int x = u.texel + Int(static_cast<int>(i));
-        const Int y = v.texel + Int(static_cast<int>(i));
-        footprint.column[i] = apply_address_mode(x, level.width, sampler.address_u) * Int(bytes_per_texel);
-        footprint.row[i] = apply_address_mode(y, level.height, sampler.address_v) * level.pitch + level.offset;
-        footprint.column_outside[i] = outside(x, level.width, sampler.address_u);
-        footprint.row_outside[i] = outside(y, level.height, sampler.address_v);
+    Footprint<Real> footprint{
+        .linear = linear, .offset = {}, .outside = {}, .corner = {}, .fraction_u = u.fraction, .fraction_v = v.fraction};
+    const Texture& texture = lookup.view.texture();
+    const bool seamless = linear && profile.cube_edges == CubeEdges::Seamless;
+    for (std::size_t tap = 0; tap < (linear ? 4u : 1u); ++tap) {
+        // One texel past an edge at most; a position on the far edge itself (u = 1) belongs to the last texel.
+        const Int x = clamp(u.texel + Int(static_cast<int>(tap & 1)), Int(-1), size);
+        const Int y = clamp(v.texel + Int(static_cast<int>(tap >> 1)), Int(-1), size);
+        const Mask out_x = (x < Int(0)) | (x > last);
+        const Mask out_y = (y < Int(0)) | (y > last);
+        CubeTexel texel{lookup.layer, clamp(x, Int(0), last), clamp(y, Int(0), last)};
+        if (seamless && any(out_x ^ out_y)) {
+            const CubeTexel moved = across_edge(lookup.layer, x, y, size);
+            const auto pick = [&](Int yes, Int no) { return select(out_x ^ out_y, yes, no); };
+            texel = {pick(moved.face, texel.face), pick(moved.x, texel.x), pick(moved.y, texel.y)};
+        }
+        footprint.outside[tap] = Mask(false);
+        footprint.corner[tap] = seamless ? out_x & out_y : Mask(false);
+        footprint.has_corner = footprint.has_corner || any(footprint.corner[tap]);
+        footprint.offset[tap] = level.offset + texel.face * Int(texture.layer_stride()) + texel.y * level.pitch +
+                                texel.x * Int(texture.info().bytes_per_texel);
     }
     return footprint;
 }

@@ -17,8 +17,17 @@ struct Taps {
 };
 
 template <class Real>
-Taps<Real> taps_of(Int x, int size_above) {
+Taps<Real> taps_of(Int x, int size_above, MipGeneration filter) {
     const Real one(1.0f);
+    if (filter == MipGeneration::Bilinear && size_above > 1 && size_above % 2 != 0) {
+        // One sample at the centre of the coarser texel, (x + 1/2) * above / level, between two texels of the level above.
+        const Real level(static_cast<float>(size_above / 2));
+        const Real center = (Real(x) + Real(0.5f)) * Real(static_cast<float>(size_above)) / level - Real(0.5f);
+        const Real whole = floor(center);
+        const Int first = bounded_truncate_to_int(whole);
+        const Real right = center - whole;
+        return {2, {first, min(first + Int(1), Int(size_above - 1)), Int(0)}, {one - right, right, one}};
+    }
     if (size_above == 1) return {1, {Int(0), Int(0), Int(0)}, {one, one, one}};
     const Int first = x + x;
     if (size_above % 2 == 0) return {2, {first, first + Int(1), Int(0)}, {Real(0.5f), Real(0.5f), one}};
@@ -32,13 +41,13 @@ Taps<Real> taps_of(Int x, int size_above) {
 
 /// One wave of texels of `level`, starting at (x, y).
 template <class AnyCodec, class Real>
-void reduce_wave(Texture& texture, int level, int x, int y, Narrowing narrowing) {
+void reduce_wave(Texture& texture, int layer, int level, int x, int y, const Profile& profile) {
     const int above = level - 1;
     const Int column = min(Int(x) + lane_index(), Int(texture.width(level) - 1));
-    const Taps<Real> across = taps_of<Real>(column, texture.width(above));
-    const Taps<Real> down = taps_of<Real>(Int(y), texture.height(above));
+    const Taps<Real> across = taps_of<Real>(column, texture.width(above), profile.mip_generation);
+    const Taps<Real> down = taps_of<Real>(Int(y), texture.height(above), profile.mip_generation);
     const auto l = static_cast<std::size_t>(above);
-    const Int origin(texture.table().offset[l]);
+    const Int origin(texture.table().offset[l] + layer * texture.layer_stride());
     const Int pitch(texture.table().pitch[l]);
 
     // Weighted sums along each column of texels, then across the columns.
@@ -62,23 +71,25 @@ void reduce_wave(Texture& texture, int level, int x, int y, Narrowing narrowing)
     }
 
     const int count = std::min(kLanes, texture.width(level) - x);
-    store_row<AnyCodec>(texture.row(level, y) + x * AnyCodec::kBytes, AnyCodec::encode(sum, narrowing), count);
+    store_row<AnyCodec>(texture.row(level, y, layer) + x * AnyCodec::kBytes, AnyCodec::encode(sum, profile.float_narrowing),
+                        count);
 }
 
 template <class Real>
 void generate(Texture& texture, const Profile& profile, Workers& workers) {
     with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
+        const int layers = texture.desc().layers;
         for (int level = 1; level < texture.desc().levels; ++level) {
             const int width = texture.width(level);
             const int height = texture.height(level);
             const int rows_per_piece = std::max(1, 8192 / width);
             const int pieces = (height + rows_per_piece - 1) / rows_per_piece;
-            workers.for_each(static_cast<std::size_t>(pieces), [&](std::size_t piece) {
+            workers.for_each(static_cast<std::size_t>(pieces * layers), [&](std::size_t task) {
                 const DenormalScope denormals(profile.flush_denormals);
-                const int first = static_cast<int>(piece) * rows_per_piece;
+                const int layer = static_cast<int>(task) / pieces;
+                const int first = static_cast<int>(task) % pieces * rows_per_piece;
                 for (int y = first; y < std::min(height, first + rows_per_piece); ++y)
-                    for (int x = 0; x < width; x += kLanes)
-                        reduce_wave<AnyCodec, Real>(texture, level, x, y, profile.float_narrowing);
+                    for (int x = 0; x < width; x += kLanes) reduce_wave<AnyCodec, Real>(texture, layer, level, x, y, profile);
             });
         }
     });
@@ -87,6 +98,7 @@ void generate(Texture& texture, const Profile& profile, Workers& workers) {
 }  // namespace
 
 void generate_mips(Texture& texture, const Profile& profile, Workers& workers) {
+    if (texture.info().is_integer()) fail("mips of a texture in {}: integers are not filtered", texture.info().name);
     if (profile.arithmetic == Arithmetic::Fp32) {
         generate<Float>(texture, profile, workers);
     } else {

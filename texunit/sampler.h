@@ -8,7 +8,7 @@
 
 namespace gnomon {
 
-/// Within a level. Anisotropic filtering will be a third value here.
+/// Within a level.
 enum class TexelFilter { Nearest, Linear };
 template <>
 inline constexpr std::array kEnumNames<TexelFilter>{EnumName{TexelFilter::Nearest, "nearest"},
@@ -25,11 +25,21 @@ inline constexpr std::array kEnumNames<MipFilter>{EnumName{MipFilter::Base, "bas
                                                   EnumName{MipFilter::Linear, "linear"}};
 
 /// What lies outside the texture. D3D11.3 7.18.9
-enum class AddressMode { Wrap, Mirror, Clamp, Border };
+enum class AddressMode { Wrap, Mirror, Clamp, Border, MirrorOnce };
 template <>
 inline constexpr std::array kEnumNames<AddressMode>{
     EnumName{AddressMode::Wrap, "wrap"}, EnumName{AddressMode::Mirror, "mirror"}, EnumName{AddressMode::Clamp, "clamp"},
-    EnumName{AddressMode::Border, "border"}};
+    EnumName{AddressMode::Border, "border"}, EnumName{AddressMode::MirrorOnce, "mirror-once"}};
+
+/// What becomes of the texels under a filter. D3D11.3 7.18.3, 5.9.4.5.6
+enum class Reduction {
+    Average,  // weighted
+    Minimum,  // the smallest, component by component, of those whose weight is not 0
+    Maximum,
+};
+template <>
+inline constexpr std::array kEnumNames<Reduction>{
+    EnumName{Reduction::Average, "average"}, EnumName{Reduction::Minimum, "minimum"}, EnumName{Reduction::Maximum, "maximum"}};
 
 /// `reference OP texel` of comparison sampling, and `new OP stored` of the depth test.
 enum class CompareOp { Never, Less, Equal, LessEqual, Greater, NotEqual, GreaterEqual, Always };
@@ -49,6 +59,8 @@ struct Sampler {
     MipFilter mip = MipFilter::Base;
     AddressMode address_u = AddressMode::Clamp;
     AddressMode address_v = AddressMode::Clamp;
+    int max_anisotropy = 1;  // 1 to 16; above 1 several probes of min, mag and mip make a sample
+    Reduction reduction = Reduction::Average;
     CompareOp compare = CompareOp::LessEqual;
     float lod_bias = 0.0f;    // [-16, 15.99]
     float min_lod = 0.0f;     // levels
@@ -62,6 +74,8 @@ struct Sampler {
                           Field{"mip", &S::mip},
                           Field{"address_u", &S::address_u},
                           Field{"address_v", &S::address_v},
+                          Field{"max_anisotropy", &S::max_anisotropy},
+                          Field{"reduction", &S::reduction},
                           Field{"compare", &S::compare},
                           Field{"lod_bias", &S::lod_bias},
                           Field{"min_lod", &S::min_lod},

@@ -11,6 +11,16 @@ constexpr std::int64_t even(int size) { return size + (size & 1); }
 constexpr std::int64_t aligned(std::int64_t bytes) { return (bytes + 63) & ~std::int64_t{63}; }
 constexpr std::int64_t kTail = 4;  // gathers read 32 bits from any byte of a level's last texel
 
+/// The layers that a texture of a kind may have: lowest and highest.
+constexpr std::pair<int, int> layer_limits(TextureKind kind) {
+    switch (kind) {
+        case TextureKind::Flat: return {1, 1};
+        case TextureKind::Array: return {1, kMaxLayers};
+        case TextureKind::Cube: return {kCubeFaces, kCubeFaces};
+    }
+    __builtin_unreachable();
+}
+
 }  // namespace
 
 Texture::Texture(const TextureDesc& desc) : desc_(desc) {
@@ -20,14 +30,21 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
         fail("texture of {}x{} texels with {} levels: expected 1 to {}", desc.width, desc.height, desc.levels,
              full_level_count(desc.width, desc.height));
 
+    const auto [fewest, most] = layer_limits(desc.kind);
+    if (desc.layers < fewest || desc.layers > most)
+        fail("{} texture with {} layers: expected {} to {}", name_of(desc.kind), desc.layers, fewest, most);
+    if (desc.kind == TextureKind::Cube && desc.width != desc.height)
+        fail("cube texture with faces of {}x{} texels: expected squares", desc.width, desc.height);
+
     // Lay the levels out one after the other; lanes address them with 31-bit offsets.
     std::int64_t offset = 0;
     for (int level = 0; level < desc.levels; ++level) {
         const auto l = static_cast<std::size_t>(level);
         const std::int64_t pitch = even(width(level)) * info().bytes_per_texel;
         const std::int64_t bytes = aligned(pitch * even(height(level)) + kTail);
-        if (offset + bytes > std::numeric_limits<std::int32_t>::max())
-            fail("texture of {}x{} texels in {}: larger than 2 GiB", desc.width, desc.height, info().name);
+        if ((offset + bytes) * desc.layers > std::numeric_limits<std::int32_t>::max())
+            fail("texture of {}x{} texels and {} layers in {}: larger than 2 GiB", desc.width, desc.height, desc.layers,
+                 info().name);
         table_.offset[l] = static_cast<std::int32_t>(offset);
         table_.pitch[l] = static_cast<std::int32_t>(pitch);
         table_.width[l] = width(level);
@@ -35,27 +52,28 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
         offset += bytes;
     }
 
-    size_ = static_cast<std::size_t>(offset);
+    layer_stride_ = static_cast<std::int32_t>(offset);
+    size_ = static_cast<std::size_t>(offset) * static_cast<std::size_t>(desc.layers);
     bytes_ = hwy::AllocateAligned<std::byte>(size_);
     if (!bytes_) fail("texture of {}x{} texels in {}: not enough memory", desc.width, desc.height, info().name);
     std::memset(bytes_.get(), 0, size_);
 }
 
-std::vector<std::byte> Texture::level_bytes(int level) const {
+std::vector<std::byte> Texture::level_bytes(int level, int layer) const {
     const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
     std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(height(level)));
     for (int y = 0; y < height(level); ++y)
-        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), row(level, y), row_bytes);
+        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), row(level, y, layer), row_bytes);
     return bytes;
 }
 
-void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t size) {
+void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer) {
     const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
     if (size != row_bytes * static_cast<std::size_t>(height(level)))
         fail("texture level {} of {}x{} texels in {}: {} bytes given, expected {}", level, width(level), height(level),
              info().name, size, row_bytes * static_cast<std::size_t>(height(level)));
     for (int y = 0; y < height(level); ++y)
-        std::memcpy(row(level, y), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
+        std::memcpy(row(level, y, layer), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
 }
 
 }  // namespace gnomon

@@ -1,4 +1,4 @@
-// A 2D texture and its mip chain in memory. D3D11.3 5.3
+// A texture in memory: 2D, an array of 2D or a cube, with its mip chain. D3D11.3 5.3
 #pragma once
 
 #include "texunit/format.h"
@@ -15,13 +15,27 @@ namespace gnomon {
 
 inline constexpr int kMaxTextureSize = 16384;  // D3D11.3 21.2 (resource limits)
 inline constexpr int kMaxLevels = 15;          // of a 16384 texel side
+inline constexpr int kMaxLayers = 2048;        // D3D11.3 21.2
 static_assert(kMaxTextureSize == 1 << (kMaxLevels - 1));
+
+enum class TextureKind {
+    Flat,
+    Array,  // slices of one size. D3D11.3 5.3.6
+    Cube,   // six square faces: +x, -x, +y, -y, +z, -z. D3D11.3 5.3.8
+};
+template <>
+inline constexpr std::array kEnumNames<TextureKind>{EnumName{TextureKind::Flat, "flat"}, EnumName{TextureKind::Array, "array"},
+                                                    EnumName{TextureKind::Cube, "cube"}};
+
+inline constexpr int kCubeFaces = 6;
 
 struct TextureDesc {
     Format format = Format::Rgba8Unorm;
     int width = 1;   // texels, 1 to kMaxTextureSize
     int height = 1;  // texels, 1 to kMaxTextureSize
     int levels = 1;  // 1 to full_level_count(width, height)
+    TextureKind kind = TextureKind::Flat;
+    int layers = 1;  // 1 of a flat texture, 1 to kMaxLayers of an array, kCubeFaces of a cube
 
     bool operator==(const TextureDesc&) const = default;
 };
@@ -44,10 +58,11 @@ struct LevelTable {
     alignas(64) std::array<std::int32_t, 16> height{};  // texels
 };
 
-/// Texels in rows, top row first; every level is padded to even sides so that a 2x2 quad never leaves it.
+/// Texels in rows, top row first; every level is padded to even sides so that a 2x2 quad never leaves it. A layer holds its
+/// whole mip chain.
 class Texture {
 public:
-    /// Zero-filled. Throws Error for sides, level counts or sizes in bytes that are out of range.
+    /// Zero-filled. Throws Error for sides, level and layer counts or sizes in bytes that are out of range.
     explicit Texture(const TextureDesc& desc);
 
     [[nodiscard]] const TextureDesc& desc() const { return desc_; }
@@ -56,25 +71,32 @@ public:
     [[nodiscard]] int width(int level) const { return level_size(desc_.width, level); }
     [[nodiscard]] int height(int level) const { return level_size(desc_.height, level); }
 
+    /// Bytes from one layer to the next.
+    [[nodiscard]] std::int32_t layer_stride() const { return layer_stride_; }
+
     [[nodiscard]] std::byte* data() { return bytes_.get(); }
     [[nodiscard]] const std::byte* data() const { return bytes_.get(); }
-    [[nodiscard]] std::byte* row(int level, int y) { return bytes_.get() + row_offset(level, y); }
-    [[nodiscard]] const std::byte* row(int level, int y) const { return bytes_.get() + row_offset(level, y); }
+    [[nodiscard]] std::byte* row(int level, int y, int layer = 0) { return bytes_.get() + row_offset(level, y, layer); }
+    [[nodiscard]] const std::byte* row(int level, int y, int layer = 0) const {
+        return bytes_.get() + row_offset(level, y, layer);
+    }
 
     /// One level's bytes without the padding, rows top first.
-    [[nodiscard]] std::vector<std::byte> level_bytes(int level) const;
+    [[nodiscard]] std::vector<std::byte> level_bytes(int level, int layer = 0) const;
     /// Replaces one level; `bytes` is laid out as level_bytes gives it and must have that size.
-    void set_level_bytes(int level, const std::byte* bytes, std::size_t size);
+    void set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer = 0);
 
 private:
-    [[nodiscard]] std::size_t row_offset(int level, int y) const {
+    [[nodiscard]] std::size_t row_offset(int level, int y, int layer) const {
         const auto l = static_cast<std::size_t>(level);
         return static_cast<std::size_t>(table_.offset[l]) +
-               static_cast<std::size_t>(table_.pitch[l]) * static_cast<std::size_t>(y);
+               static_cast<std::size_t>(table_.pitch[l]) * static_cast<std::size_t>(y) +
+               static_cast<std::size_t>(layer_stride_) * static_cast<std::size_t>(layer);
     }
 
     TextureDesc desc_;
     LevelTable table_;
+    std::int32_t layer_stride_ = 0;
     std::size_t size_ = 0;
     hwy::AlignedFreeUniquePtr<std::byte[]> bytes_;
 };

@@ -26,8 +26,14 @@ Json to_json(const CreateBuffer& c) {
 }
 
 Json to_json(const CreateTexture& c) {
-    return {{"cmd", "create_texture"}, {"id", number(c.id)},      {"label", c.label},       {"format", name_of(c.desc.format)},
-            {"width", c.desc.width},   {"height", c.desc.height}, {"levels", c.desc.levels}};
+    Json json{{"cmd", "create_texture"},          {"id", number(c.id)},    {"label", c.label},
+              {"format", name_of(c.desc.format)}, {"width", c.desc.width}, {"height", c.desc.height},
+              {"levels", c.desc.levels}};
+    if (c.desc.kind != TextureKind::Flat) {
+        json["kind"] = name_of(c.desc.kind);
+        json["layers"] = c.desc.layers;
+    }
+    return json;
 }
 
 Json to_json(const WriteTexture& c) {

@@ -10,7 +10,7 @@
 
 namespace oracle {
 
-enum class Address { Wrap, Mirror, Clamp, Border };
+enum class Address { Wrap, Mirror, Clamp, Border, MirrorOnce };
 
 /// 16.8 fixed point from a float: nearest, ties to even; NaN gives 0. D3D11.3 3.2.4.1
 inline std::int64_t fixed8(float x) {
@@ -28,6 +28,7 @@ inline float reduce_range(float u, Address mode) {
         case Address::Wrap: return u - std::floor(u);
         case Address::Mirror: return (u / 2 - std::trunc(u / 2)) * 2;
         case Address::Clamp:
+        case Address::MirrorOnce:
         case Address::Border: return u <= -10 ? -10.0f : u >= 10 ? 10.0f : u;
     }
     return 0;
@@ -48,6 +49,10 @@ inline std::int64_t address(std::int64_t t, std::int64_t n, Address mode) {
             return flip ? n - t - 1 : t;
         }
         case Address::Clamp: return t < 0 ? 0 : n - 1;
+        case Address::MirrorOnce: {
+            if (t < 0) t = -t - 1;
+            return t > n - 1 ? n - 1 : t;
+        }
         case Address::Border: return -1;
     }
     return 0;

@@ -59,6 +59,7 @@ TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.
     // Bit-equal to the lerp form in fp32. Against the exact sum: three lerps, each with a rounded difference, product and sum
     // of values below 2, so at most 3 * 2^-23 each, of which the two inner ones are averaged: 6 * 2^-23 in all.
     for (const FormatInfo& info : kFormats) {
+        if (info.is_integer()) continue;
         oracle::Random random(static_cast<std::uint64_t>(info.format));
         double worst = 0;
         for (int round = 0; round < 40; ++round) {
@@ -66,7 +67,8 @@ TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.
             const int height = random.integer(1, 20);
             const auto count = static_cast<std::size_t>(width * height * info.components);
             std::vector<std::uint32_t> codes(count);
-            for (auto& code : codes) code = moderate_code(info.format, random);
+            for (std::size_t i = 0; i < count; ++i)
+                codes[i] = moderate_code(info.format, random, static_cast<int>(i) % info.components);
             const Texture texture = texture_of(info.format, width, height, codes);
             const std::array modes{AddressMode::Wrap, AddressMode::Mirror, AddressMode::Clamp, AddressMode::Border};
             const Sampler sampler{.address_u = modes[static_cast<std::size_t>(random.integer(0, 3))],
@@ -80,7 +82,7 @@ TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.
                 oracle::Image image{width, height, {}, static_cast<double>(sampler.border[c])};
                 if (c < info.components)
                     for (std::size_t i = static_cast<std::size_t>(c); i < count; i += static_cast<std::size_t>(info.components))
-                        image.texels.push_back(code_value(info.format, codes[i]));
+                        image.texels.push_back(code_value(info.format, codes[i], c));
                 for (std::size_t i = 0; i < coordinates.size(); ++i) {
                     const float value = got[i][static_cast<std::size_t>(c)];
                     if (c >= info.components) {

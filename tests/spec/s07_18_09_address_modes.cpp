@@ -73,19 +73,22 @@ TEST_CASE("the border colour is clamped to the format's range", "[7.18.9.1]") {
                               .address_u = AddressMode::Border,
                               .address_v = AddressMode::Border,
                               .border = {2.0f, -1.0f, 0.25f, 9.0f}};
-        const bool limited = info.is_depth || info.type == ComponentType::Unorm8 || info.type == ComponentType::Unorm16;
+        const bool is_signed = info.type == ComponentType::Snorm8 || info.type == ComponentType::Snorm16;
+        const bool limited = info.is_depth || info.type == ComponentType::Unorm8 || info.type == ComponentType::Unorm16 ||
+                             info.type == ComponentType::Srgb8;
+        const bool positive = limited || info.is_integer() || info.type == ComponentType::Float11;
         // Outside in u only, in v only, in both.
         for (const auto& color :
              sample_all(texture, sampler, Profile{}, std::vector<Coordinate>{{1.5f, 0.5f}, {0.5f, -0.7f}, {-3.0f, 3.0f}})) {
             INFO(info.name);
-            CHECK(color[0] == (limited ? 1.0f : 2.0f));
-            CHECK(color[1] == (info.components < 2 ? 0.0f : limited ? 0.0f : -1.0f));
+            CHECK(color[0] == (limited || is_signed ? 1.0f : 2.0f));
+            CHECK(color[1] == (info.components < 2 || positive ? 0.0f : -1.0f));
             if (info.components < 4) {
-                CHECK(color[2] == 0.0f);
+                CHECK(color[2] == (info.components == 3 ? 0.25f : 0.0f));
                 CHECK(color[3] == 1.0f);
             } else {
                 CHECK(std::fabs(color[2] - 0.25f) <= 1.0f / 512.0f);  // snapped at most to the format's precision
-                CHECK(color[3] == (limited ? 1.0f : 9.0f));
+                CHECK(color[3] == (limited || is_signed ? 1.0f : 9.0f));
             }
         }
         CHECK(sample_all(texture, sampler, Profile{}, std::vector<Coordinate>{{0.5f, 0.5f}})[0][0] == 0.0f);

@@ -36,8 +36,13 @@ int unorm_bits(Format format) {
         case ComponentType::Unorm16:
         case ComponentType::Depth16: return 16;
         case ComponentType::Depth24: return 24;
+        case ComponentType::Snorm8:
+        case ComponentType::Srgb8:
+        case ComponentType::Snorm16:
         case ComponentType::Float16:
         case ComponentType::Float32:
+        case ComponentType::Uint32:
+        case ComponentType::Float11:
         case ComponentType::Depth32: return 0;
     }
     return 0;

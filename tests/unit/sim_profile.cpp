@@ -44,27 +44,61 @@ TEST_CASE("presets round-trip through JSON", "[profile]") {
     }
 }
 
+namespace {
+
+/// Another value than the one it has.
+void change(std::string& value) { value += " \"changed\" \xc3\xa9"; }
+void change(bool& value) { value = !value; }
+void change(int& value) { value = value == 8 ? 5 : 8; }
+template <NamedEnum E>
+void change(E& value) {
+    value = value == kEnumNames<E>.back().value ? kEnumNames<E>.front().value : kEnumNames<E>.back().value;
+}
+
+}  // namespace
+
 TEST_CASE("every field round-trips when it differs from the default", "[profile]") {
-    Profile p;
-    p.name = "odd \"one\" \xc3\xa9";
-    p.summary = "s";
-    p.arithmetic = Arithmetic::Fp64;
-    p.flush_denormals = false;
-    p.float_narrowing = Narrowing::NearestEven;
-    p.raster_subpixel_bits = 4;
-    p.texel_fraction_bits = kExactBits;
-    p.texel_rounding = FixedRounding::Truncate;
-    p.bilinear_form = BilinearForm::Products;
-    p.lod_fraction_bits = 5;
-    p.lod_sharing = LodSharing::Pixel;
-    p.compare_reference = CompareReference::Raw;
-    CHECK(profile_from_json(profile_to_json(p), "x") == p);
+    Profile profile;
+    profile.name = "odd";
+    for_each_field(profile, [](std::string_view, auto& value) { change(value); });
+    CHECK(profile_from_json(profile_to_json(profile), "x") == profile);
+    profile.texel_fraction_bits = profile.lod_fraction_bits = kExactBits;
+    CHECK(profile_from_json(profile_to_json(profile), "x") == profile);
+
+    // None is missing from fields(): each member alone makes profiles differ, and each is written by name.
     std::size_t fields = 0;
-    const Profile defaults;
-    Profile copy = defaults;
-    for_each_field(p, [&](std::string_view, const auto&) { ++fields; });
-    CHECK(fields == 12);
-    CHECK(copy == defaults);
+    for_each_field(profile, [&](std::string_view name, const auto&) {
+        ++fields;
+        CHECK(profile_to_json(profile).find('"' + std::string(name) + '"') != std::string::npos);
+    });
+    CHECK(fields == 31);
+}
+
+TEST_CASE("every field of every preset says how sure it is and why", "[profile]") {
+    for (const Profile& preset : profile_presets()) {
+        INFO(preset.name);
+        std::vector<std::string_view> expected;
+        for_each_field(preset, [&](std::string_view name, const auto&) {
+            if (name != "name" && name != "summary") expected.push_back(name);
+        });
+        const auto said = provenance_of(preset.name);
+        REQUIRE(said.size() == expected.size());
+        for (std::size_t i = 0; i < said.size(); ++i) {
+            CHECK(said[i].field == expected[i]);
+            CHECK(said[i].source.size() > 5);
+        }
+    }
+    CHECK(provenance_of("nobody").empty());
+    // What nobody outside knows is called assumed: hardware_facts, not wishes.
+    const auto certainty = [](std::string_view preset, std::string_view field) {
+        for (const Provenance& entry : provenance_of(preset))
+            if (entry.field == field) return entry.certainty;
+        return Certainty::Specified;
+    };
+    CHECK(certainty("nv40", "texel_fraction_bits") == Certainty::Assumed);
+    CHECK(certainty("g80", "texel_fraction_bits") == Certainty::Documented);
+    CHECK(certainty("d3d11", "texel_fraction_bits") == Certainty::Specified);
+    CHECK(certainty("d3d11", "probe_placement") == Certainty::Assumed);
 }
 
 TEST_CASE("a base gives what is not mentioned", "[profile]") {

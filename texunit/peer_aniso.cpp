@@ -1,0 +1,110 @@
+#include "texunit/peer_aniso.h"
+
+#include "sim/scalar_math.h"
+
+#include <cmath>
+
+namespace gnomon {
+
+namespace {
+
+/// x86 minps and maxps: with a NaN, or equal operands, the second.
+Float min_second(Float a, Float b) { return select(a < b, a, b); }
+Float max_second(Float a, Float b) { return select(a > b, a, b); }
+
+constexpr int kTableSize = 1024;
+
+/// exp(-2 i / 1023) with six decimals, as the source spells them. Mesa 22.3.6 lp_bld_sample.c, aniso_filter_table
+const std::array<std::int32_t, kTableSize>& weight_table() {
+    static const auto table = [] {
+        std::array<std::int32_t, kTableSize> bits{};
+        for (std::size_t i = 0; i < bits.size(); ++i) {
+            const double weight = scalar::exp(-2.0 * static_cast<double>(i) / 1023.0);
+            bits[i] = std::bit_cast<std::int32_t>(static_cast<float>(std::floor(weight * 1e6 + 0.5) / 1e6));
+        }
+        return bits;
+    }();
+    return table;
+}
+
+}  // namespace
+
+LevelOfDetail<Float> llvmpipe_anisotropy(const Gradients<Float>& gradients, int width, int height) {
+    const Float w(static_cast<float>(width));
+    const Float h(static_cast<float>(height));
+    const Vec2<Float> x{gradients.dx.x * w, gradients.dx.y * h};
+    const Vec2<Float> y{gradients.dy.x * w, gradients.dy.y * h};
+    LevelOfDetail<Float> result(half_log2_linear(min_second(dot(x, x), dot(y, y))));
+    result.anisotropic = true;
+    result.major = gradients.dx;
+    result.minor = gradients.dy;
+    return result;
+}
+
+LevelOfDetail<Float> swiftshader_anisotropy(const Gradients<Float>& gradients, int width, int height, int max_anisotropy) {
+    const Float w(static_cast<float>(width));
+    const Float h(static_cast<float>(height));
+    const Float one(1.0f);
+    const Vec2<Float> x{gradients.dx.x * w, gradients.dx.y * h};
+    const Vec2<Float> y{gradients.dy.x * w, gradients.dy.y * h};
+    const Float squared_x = dot(x, x);
+    const Float squared_y = dot(y, y);
+    const Float squared = max_second(squared_x, squared_y);
+    const Float determinant = abs(x.x * y.y - y.x * x.y);
+    const Float ratio = min_second(squared * (one / determinant), Float(static_cast<float>(max_anisotropy)));
+
+    LevelOfDetail<Float> result(half_log2_linear_of_square(squared * (one / (ratio * ratio))));
+    const Mask major_is_x = squared_x >= squared_y;
+    result.anisotropic = true;
+    result.ratio = ratio;
+    result.major = {select(major_is_x, gradients.dx.x, gradients.dy.x), select(major_is_x, gradients.dx.y, gradients.dy.y)};
+    result.probes = clamp(round_to_int(ratio), Int(1), Int(max_anisotropy));
+    return result;
+}
+
+LlvmpipeEllipse::LlvmpipeEllipse(const Vec2<Float>& coordinate, const Vec2<Float>& dx, const Vec2<Float>& dy, int width,
+                                 int height, Int level) {
+    const Float one(1.0f);
+    const Float two(2.0f);
+    const Float scale = one / Float(shift_left(Int(1), level));
+    const Float w(static_cast<float>(width));
+    const Float h(static_cast<float>(height));
+    const Float xu = dx.x * w * scale;
+    const Float yu = dy.x * w * scale;
+    const Float xv = dx.y * h * scale;
+    const Float yv = dy.y * h * scale;
+
+    // A u^2 + B u v + C v^2 = F, and the half sides of its box.
+    const Float a = (xv * xv + yv * yv) + one;
+    const Float b = (xu * xv + yu * yv) * Float(-2.0f);
+    const Float c = (xu * xu + yu * yu) + one;
+    const Float f = a * c - (b * b) * Float(0.25f);
+    const Float d = (Float(0.0f) - b * b) + (a * c) * Float(4.0f);
+    const Float half_width = (two / d) * sqrt((d * c) * f);
+    const Float half_height = (two / d) * sqrt((a * d) * f);
+
+    const Float table_scale = Float(static_cast<float>(kTableSize - 1)) / f;
+    a_ = a * table_scale;
+    b_ = b * table_scale;
+    c_ = c * table_scale;
+    const Float u = coordinate.x * (w * scale) - Float(0.5f);
+    const Float v = coordinate.y * (h * scale) - Float(0.5f);
+    const auto up = [](Float x) { return Int(0) - truncate_to_int(floor(-x)); };
+    first_u_ = truncate_to_int(floor(u - half_width));
+    last_u_ = up(u + half_width);
+    first_v_ = truncate_to_int(floor(v - half_height));
+    last_v_ = up(v + half_height);
+    center_v_ = v;
+    du_ = Float(first_u_) - u;
+    step_ = ((du_ + du_) + one) * a_;
+    start_ = (du_ * du_) * a_;
+}
+
+Float LlvmpipeEllipse::weight_of(Float q, Mask inside) {
+    const Int index = truncate_to_int(q);
+    const Int entry = max(index, Int(0)) & Int(kTableSize - 1);
+    const Float weight = float_of_bits(gather(weight_table().data(), entry));
+    return select(inside & (index < Int(kTableSize)), weight, Float(0.0f));
+}
+
+}  // namespace gnomon
