@@ -59,6 +59,7 @@ private:
     };
 
     void set_reference(double reference);
+    [[nodiscard]] gnomon::AddressMode address_mode(gnomon::AddressMode mode) const;
     [[nodiscard]] std::vector<Span> spans(double coordinate, double error, int size, int offset,
                                           gnomon::TexelFilter filter) const;
     [[nodiscard]] Bounds border() const;
