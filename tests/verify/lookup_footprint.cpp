@@ -258,8 +258,10 @@ std::vector<Footprint> footprints(int width, int height, const Sampler& sampler,
     }
     for (const Axes& axes : axes_of(dx, dy, precision.ellipse_transform, error))
         for (Footprint& footprint : anisotropic(axes, sampler, precision)) {
-            footprint.extent_u = std::hypot(dx.u, dy.u);
-            footprint.extent_v = std::hypot(dx.v, dy.v);
+            // Where the ratio is limited the ellipse is widened to the scale of its level of detail.
+            const double widened = std::exp2(footprint.lod.hi);
+            footprint.extent_u = std::hypot(dx.u, dy.u, widened);
+            footprint.extent_v = std::hypot(dx.v, dy.v, widened);
             all.push_back(footprint);
         }
     return all;

@@ -4,7 +4,7 @@
 // may have been; the result is legal if the filter reaches it from some point of those intervals. Sound: what an
 // implementation of the declared precision computes is never refused. The filter is multilinear in its weights, so bounds over
 // a box of weights lie at its corners; boxes are halved so that the components of one result have to agree on the weights.
-// [VK-GL-CTS] verifies lookups on the same principle.
+// The conformance tests of Vulkan and OpenGL, KhronosGroup/VK-GL-CTS framework/common/tcuTexLookupVerifier.cpp, do the same.
 #pragma once
 
 #include "sim/profile_choices.h"
