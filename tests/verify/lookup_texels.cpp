@@ -167,12 +167,6 @@ void Lookup::set_reference(double reference) {
     reference_ = {std::ceil(code - 0.5 - slack) / image_.depth_codes, std::floor(code + 0.5 + slack) / image_.depth_codes};
 }
 
-AddressMode Lookup::address_mode(AddressMode mode) const {
-    const bool offset = request_.offset.x != 0 || request_.offset.y != 0;
-    const bool mirrors = mode == AddressMode::Mirror || mode == AddressMode::MirrorOnce;
-    return precision_.offset_mirrors_as_clamp && offset && mirrors ? AddressMode::Clamp : mode;
-}
-
 std::vector<Lookup::Span> Lookup::spans(double coordinate, double error, int size, int offset, TexelFilter filter) const {
     const double shift = filter == TexelFilter::Linear ? 0.5 : 0.0;
     const double centre = coordinate * size + offset - shift;
@@ -209,8 +203,8 @@ Bounds Lookup::border() const {
 }
 
 Bounds Lookup::tap(const Image::Level& level, std::int64_t u, std::int64_t v) const {
-    const std::int64_t x = address(address_mode(sampler_.address_u), u, level.width);
-    const std::int64_t y = address(address_mode(sampler_.address_v), v, level.height);
+    const std::int64_t x = address(sampler_.address_u, u, level.width);
+    const std::int64_t y = address(sampler_.address_v, v, level.height);
     if (x < 0 || y < 0) return border();
     const Color& texel = level.texels[static_cast<std::size_t>(y * level.width + x)];
     return compared({texel, texel});

@@ -55,7 +55,6 @@ struct LookupPrecision {
     double border_error = 0;
     bool reference_quantised = true;  // and clamped, D3D11.3 22.4.19; otherwise clamped or not
     // Choices.
-    bool offset_mirrors_as_clamp = false;  // where a request has an offset. Specifications do not allow it
     gnomon::LodRule lod_rule = gnomon::LodRule::Longest;
     bool ellipse_transform = true;            // for anisotropic filters. D3D11.3 7.18.11
     bool ellipse_transform_isotropic = true;  // for the others

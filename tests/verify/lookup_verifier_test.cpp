@@ -46,8 +46,6 @@ LookupPrecision declared(const Profile& profile, Format format) {
     }
     if (profile.border_precision == BorderPrecision::Unorm8) precision.border_error = 0.5 / 255;
     precision.reference_quantised = profile.compare_reference == CompareReference::Quantised;
-    // SwiftShader SamplerCore.cpp address(): left to do there.
-    precision.offset_mirrors_as_clamp = profile.address_arithmetic == AddressArithmetic::SwiftShader;
     precision.lod_rule = profile.lod_rule;
     precision.ellipse_transform = profile.ellipse_transform;
     precision.ellipse_transform_isotropic = false;  // Profile::ellipse_transform is about anisotropic filters alone
@@ -113,23 +111,16 @@ struct Refusals {
     std::string report;
 };
 
-enum class Offsets { Random, None };
-
 /// Random samples of one random texture and sampler.
-void verify_texture(const Profile& profile, Format format, int index, Offsets offsets, Refusals& refused) {
+void verify_texture(const Profile& profile, Format format, int index, Refusals& refused) {
     constexpr int kRequests = 160;
     constexpr int kReported = 3;
     Random random(static_cast<std::uint64_t>(index) << 8 | static_cast<std::uint64_t>(format));
     const auto [width, height] = kSizes[static_cast<std::size_t>(index) % kSizes.size()];
     const TexturePair pair = random_texture(random, format, width, height);
-    Sampler sampler = random_sampler(random, static_cast<int>(pair.image.levels.size()));
-    // SwiftShader has no minima and maxima; this profile averages those of the probes.
-    if (profile.aniso_rule == AnisoRule::SwiftShader && sampler.max_anisotropy > 1) sampler.reduction = Reduction::Average;
+    const Sampler sampler = random_sampler(random, static_cast<int>(pair.image.levels.size()));
     std::vector<SampleRequest> requests;
-    for (int i = 0; i < kRequests; ++i) {
-        requests.push_back(random_request(random, pair.image, format_info(format).is_depth));
-        if (offsets == Offsets::None) requests.back().offset = {0, 0};
-    }
+    for (int i = 0; i < kRequests; ++i) requests.push_back(random_request(random, pair.image, format_info(format).is_depth));
 
     const std::vector<SampleResult> results = sample_all(pair.texture, sampler, profile, requests);
     const LookupPrecision precision = declared(profile, format);
@@ -149,11 +140,11 @@ void verify_texture(const Profile& profile, Format format, int index, Offsets of
     }
 }
 
-void verify_profile(const Profile& profile, Offsets offsets) {
+void verify_profile(const Profile& profile) {
     constexpr int kTextures = 48;
     Refusals refused;
     for (const Format format : kTestedFormats)
-        for (int index = 0; index < kTextures; ++index) verify_texture(profile, format, index, offsets, refused);
+        for (int index = 0; index < kTextures; ++index) verify_texture(profile, format, index, refused);
     INFO(profile.name << "\n" << refused.report);
     CHECK(refused.results == 0);
     CHECK(refused.lods == 0);
@@ -162,15 +153,7 @@ void verify_profile(const Profile& profile, Offsets offsets) {
 }  // namespace
 
 TEST_CASE("every sample of every profile is legal by what the profile declares", "[verifier][7.18]") {
-    for (const Profile& profile : profile_presets())
-        verify_profile(profile, profile.address_arithmetic == AddressArithmetic::SwiftShader ? Offsets::None : Offsets::Random);
-}
-
-// SwiftShader SamplerCore.cpp address() leaves the coordinate as it is where there is an offset; the profile folds it into the
-// texture first and clamps afterwards, which moves texels even when wrapping.
-TEST_CASE("SwiftShader's samples with offsets are legal", "[verifier][7.18][!mayfail]") {
-    for (const Profile& profile : profile_presets())
-        if (profile.address_arithmetic == AddressArithmetic::SwiftShader) verify_profile(profile, Offsets::Random);
+    for (const Profile& profile : profile_presets()) verify_profile(profile);
 }
 
 TEST_CASE("a correct sampler is legal", "[verifier][7.18]") {
