@@ -4,6 +4,8 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
+
 namespace gnomon::studies {
 
 namespace {
@@ -43,6 +45,30 @@ void write_exr(const std::filesystem::path& path, const FloatImage& y, std::span
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "1970:01:01 00:00:00");  // OpenImageIO fills in the present time otherwise
     write(path, spec, pixels.data());
+}
+
+ColorImage read_image(const std::filesystem::path& path) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) fail("{}: not a file that can be read", path.string());
+    const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path.string());
+    if (!input) fail("{}: not an image: {}", path.string(), first_line(OIIO::geterror()));
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.width < 1 || spec.width > kMaxTextureSize || spec.height < 1 || spec.height > kMaxTextureSize)
+        fail("{}: {}x{} pixels, expected 1 to {} each way", path.string(), spec.width, spec.height, kMaxTextureSize);
+    if (spec.depth > 1) fail("{}: an image of {} slices, expected one", path.string(), spec.depth);
+    if (spec.nchannels < 1 || spec.nchannels > 64) fail("{}: {} channels, expected 1 to 64", path.string(), spec.nchannels);
+
+    const auto channels = static_cast<std::size_t>(spec.nchannels);
+    ColorImage image{spec.width, spec.height, {}};
+    const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+    std::vector<float> values(pixels * channels);
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
+        fail("{}: {}", path.string(), first_line(input->geterror()));
+    image.values.assign(pixels, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+    for (std::size_t i = 0; i < pixels; ++i)
+        for (std::size_t c = 0; c < std::min<std::size_t>(channels, 4); ++c)
+            image.values[i][static_cast<int>(c)] = values[i * channels + c];
+    return image;
 }
 
 }  // namespace gnomon::studies

@@ -3,6 +3,8 @@
 
 #include "texunit/texture.h"
 
+#include <glm/vec4.hpp>
+
 #include <cstdint>
 #include <vector>
 
@@ -13,6 +15,13 @@ struct FloatImage {
     int width = 0;
     int height = 0;
     std::vector<float> values;
+};
+
+/// Four floats per pixel, rows top first.
+struct ColorImage {
+    int width = 0;
+    int height = 0;
+    std::vector<glm::vec4> values;
 };
 
 /// 8 bits per channel, rows top first, channels interleaved.

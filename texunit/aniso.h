@@ -134,7 +134,9 @@ GNOMON_INLINE LevelOfDetail<Real> anisotropic_lod(const Gradients<Real>& gradien
     const Real counted = profile.aniso_clamps_to_top ? select(magnified, one, length_minor) : length_minor;
 
     // Isotropic where there is no ellipse.
-    const Mask finite = (ratio <= limit) & (length_major < Real(1e18f)) & (length_minor > zero);
+    const auto is_finite = [&](const Real& x) { return x - x == zero; };
+    const Mask finite =
+        (ratio <= limit) & is_finite(squared_x) & is_finite(squared_y) & is_finite(length_minor) & (length_minor > zero);
     const Real isotropic = isotropic_lod(derivatives.x, derivatives.y, profile);
     LevelOfDetail<Real> result(select(finite, lod_of_square(counted * counted, profile.log2_model), isotropic));
     result.anisotropic = true;
@@ -145,7 +147,7 @@ GNOMON_INLINE LevelOfDetail<Real> anisotropic_lod(const Gradients<Real>& gradien
     // The other axis, as long as the limit leaves it: perpendicular where axes are, else along the shorter derivative.
     const Vec2<Real> minor{pick(axes.y.x, axes.x.x), pick(axes.y.y, axes.x.y)};
     const Real stretch = length_minor / sqrt(dot(minor, minor));
-    const Mask stretched = finite & (stretch < Real(1e18f));
+    const Mask stretched = finite & is_finite(stretch);
     const Vec2<Real> across{-major.y * (length_minor / length_major), major.x * (length_minor / length_major)};
     result.minor = {select(finite, select(stretched, minor.x * stretch, across.x) / w, zero),
                     select(finite, select(stretched, minor.y * stretch, across.y) / h, zero)};

@@ -153,9 +153,13 @@ struct Codec {
             return Real(
                 float_of_bits(component < 2 ? magnitude_from_small_float<6>(code) : magnitude_from_small_float<5>(code)));
         } else if constexpr (kIsInteger) {
-            // Above 2^31 in two halves, so that binary32 rounds once.
-            const Int halved = shift_right_logical<1>(code) | (code & Int(1));
-            return select(code < Int(0), Real(halved) * Real(2.0f), Real(code));
+            if constexpr (std::is_same_v<Real, Double>) {
+                return select(code < Int(0), Real(code) + Real(0x1p32), Real(code));
+            } else {
+                // Above 2^31 half of it, with the last bit kept where it decides the one rounding.
+                const Int halved = shift_right_logical<1>(code) | (code & Int(1));
+                return select(code < Int(0), Real(halved) * Real(2.0f), Real(code));
+            }
         } else {
             return Real(float_of_bits(code));
         }

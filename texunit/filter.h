@@ -76,10 +76,13 @@ GNOMON_INLINE Texels<kCount, Value> read_texels(const Footprint<Real>& f, CubeCo
                 const Value& beside = faces[i ^ 1][c];
                 const Value& above = faces[i ^ 2][c];
                 const Value& across = faces[i ^ 3][c];
-                const Value mean = corner_rule == CubeCorner::ThreeTexels
-                                       ? beside + ((above - beside) + (across - beside)) / Value(3.0f)
-                                       : beside + (above - beside) * Value(0.5f);
-                t[i][c] = select(f.corner[i], mean, t[i][c]);
+                const bool three = corner_rule == CubeCorner::ThreeTexels;
+                const Value mean = three ? beside + ((above - beside) + (across - beside)) / Value(3.0f)
+                                         : beside + (above - beside) * Value(0.5f);
+                // Where differences overflow or infinities meet, the shares themselves.
+                const Value shares = three ? (beside / Value(3.0f) + above / Value(3.0f)) + across / Value(3.0f)
+                                           : beside * Value(0.5f) + above * Value(0.5f);
+                t[i][c] = select(f.corner[i], select(mean - mean == Value(0.0f), mean, shares), t[i][c]);
             }
         }
     }

@@ -73,7 +73,7 @@ Real sample_compare(const TextureView& view, const Sampler& sampler, const Profi
     const FormatInfo& format = view.texture().info();
     Unobserved nobody;
     if (view.empty()) [[unlikely]]
-        return select(compare(sampler.compare, reference, Real(0.0f)), Real(1.0f), Real(0.0f));
+        return compare_out_of_bounds(Lookup{view, sampler, profile, operands.offset, Int(0)}, reference);
     if constexpr (std::is_same_v<Real, Float>) {
         Real result;
         const bool inlined = !lod.anisotropic || filters_by_probes(profile);

@@ -335,6 +335,7 @@ private:
     /// Range reduction, where the profile's addresses begin with it.
     GNOMON_INLINE Vec2<Real> prepared(const Vec2<Real>& coordinate) const {
         if (lookup_.profile.address_arithmetic != AddressArithmetic::FixedPoint) return coordinate;
+        if (lookup_.view.texture().desc().kind == TextureKind::Cube) return coordinate;  // D3D11.3 7.18.5: not for cubes
         return {reduce_range(coordinate.x, lookup_.sampler.address_u), reduce_range(coordinate.y, lookup_.sampler.address_v)};
     }
 

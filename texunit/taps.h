@@ -26,7 +26,7 @@ auto border_texel(const Sampler& sampler, const Profile& profile) {
     for (std::size_t c = 0; c < border.size(); ++c) {
         border[c] = Real(sampler.border[static_cast<int>(c)]);
         if (profile.border_precision == BorderPrecision::Unorm8)
-            border[c] = Real(Float(unorm_from_float(border[c], 8)) / Float(255.0f));
+            border[c] = Real(unorm_from_float(border[c], 8)) / Real(255.0f);
         if constexpr (AnyCodec::kIsUnorm || AnyCodec::kIsDepth) border[c] = saturate(border[c]);
         if constexpr (AnyCodec::kIsSnorm) border[c] = clamp(border[c], Real(-1.0f), Real(1.0f));
         if constexpr (AnyCodec::kIsUnsignedFloat || AnyCodec::kIsInteger) border[c] = max(border[c], Real(0.0f));
@@ -99,8 +99,11 @@ public:
     GNOMON_INLINE std::array<Real, 1> operator()(Int offset, Mask outside) const {
         Real red = AnyCodec::template number<Real>(AnyCodec::code(AnyCodec::load(base_, offset), 0), 0, decode_);
         if (has_border_) red = select(outside, border_, red);
-        return {select(compare(op_, reference_, red), Real(1.0f), Real(0.0f))};
+        return {against(red)};
     }
+
+    /// The comparison with one value instead of a texel.
+    [[nodiscard]] Real against(const Real& red) const { return select(compare(op_, reference_, red), Real(1.0f), Real(0.0f)); }
 
 private:
     /// In the range of the format.
@@ -130,6 +133,14 @@ private:
     Real reference_;
     Real border_{};
 };
+
+/// What a comparison returns where the view has no level to read: the out-of-bounds value 0 meets the reference. D3D11.3 5.8.6
+template <class Real>
+Real compare_out_of_bounds(const Lookup& lookup, const Real& reference) {
+    return with_codec(lookup.view.texture().desc().format, [&]<class AnyCodec>(AnyCodec) {
+        return CompareTap<AnyCodec, Real>(lookup, reference).against(Real(0.0f));
+    });
+}
 
 /// The stored codes, missing components as 0 and alpha as 1. D3D11.3 19.1.3.3
 template <class AnyCodec>

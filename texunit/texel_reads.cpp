@@ -9,7 +9,7 @@ namespace {
 constexpr std::array<std::size_t, 4> kGatherOrder{2, 3, 1, 0};
 
 /// Level 0 of the view is there: the resource's lower limit may have clamped it off. D3D11.3 5.8.4, 5.8.6
-bool has_finest_level(const TextureView& view) { return view.min_lod() < 1.0f; }
+bool has_finest_level(const TextureView& view) { return !view.empty() && view.min_lod() < 1.0f; }
 
 /// Counts probes and texels of the lanes it is given.
 struct CountingObserver {
@@ -104,13 +104,12 @@ Vec4<Real> gather(const TextureView& view, const Sampler& sampler, const Profile
 template <class Real>
 Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const Profile& profile, const Vec3<Real>& coordinate,
                           const Real& reference, const glm::ivec2& offset) {
-    const FormatInfo& format = view.texture().info();
-    if (!has_finest_level(view)) {
-        const Real result = select(compare(sampler.compare, reference, Real(0.0f)), Real(1.0f), Real(0.0f));
-        return {result, result, result, result};
-    }
     const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
     const Lookup lookup{view, sampler, profile, offset, at.layer, false, false, true};
+    if (!has_finest_level(view)) {
+        const Real result = compare_out_of_bounds(lookup, reference);
+        return {result, result, result, result};
+    }
     using Tap = AnyTap<1, Real, true>;
     const auto run = [&](const Tap& tap) {
         Unobserved nobody;
@@ -118,7 +117,7 @@ Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const
         return Vec4<Real>{texels[kGatherOrder[0]][0], texels[kGatherOrder[1]][0], texels[kGatherOrder[2]][0],
                           texels[kGatherOrder[3]][0]};
     };
-    return with_codec(format.format, [&]<class AnyCodec>(AnyCodec) {
+    return with_codec(view.texture().desc().format, [&]<class AnyCodec>(AnyCodec) {
         const CompareTap<AnyCodec, Real> concrete(lookup, reference);
         return run(Tap(concrete));
     });
@@ -127,7 +126,7 @@ Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const
 template <class Real>
 Vec4<Int> sample_codes(const TextureView& view, const Sampler& given, const Profile& profile, const Vec3<Real>& coordinate,
                        const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) {
-    if (view.empty()) return {Int(0), Int(0), Int(0), Int(0)};
+    if (view.empty()) return {Int(0), Int(0), Int(0), Int(view.texture().info().components == 4 ? 0 : 1)};
     Sampler sampler = given;
     sampler.min = sampler.mag = TexelFilter::Nearest;
     if (sampler.mip == MipFilter::Linear) sampler.mip = MipFilter::Nearest;

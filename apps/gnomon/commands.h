@@ -9,5 +9,8 @@ void add_list(CLI::App& app);
 void add_render(CLI::App& app);
 void add_export(CLI::App& app);
 void add_contact_sheet(CLI::App& app);
+void add_sample(CLI::App& app);
+void add_convert(CLI::App& app);
+void add_chart(CLI::App& app);
 
 }  // namespace gnomon::cli

@@ -7,6 +7,7 @@
 #include "techniques/technique.h"
 #include "texunit/format.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace gnomon::cli {
@@ -53,12 +54,16 @@ std::string field_text(E value) {
 }
 
 void list_profiles(bool verbose) {
-    fmt::print("profiles (--profile; a JSON file works too{})\n", verbose ? "" : "; --verbose shows every field");
+    fmt::print("profiles (--profile; a JSON file works too{})\n",
+               verbose ? "" : "; --verbose shows every field and its source");
     for (const Profile& profile : profile_presets()) {
         fmt::print("  {:<14} {}\n", profile.name, profile.summary);
         if (!verbose) continue;
-        for_each_field(profile, [](std::string_view name, const auto& value) {
-            if (name != "name" && name != "summary") fmt::print("  {:<14} {:<22} {}\n", "", name, field_text(value));
+        const auto said = provenance_of(profile.name);
+        for_each_field(profile, [&](std::string_view name, const auto& value) {
+            const auto entry = std::ranges::find(said, name, &Provenance::field);
+            if (entry == said.end()) return;
+            fmt::print("    {:<20} {:<13} {:<11} {}\n", name, field_text(value), name_of(entry->certainty), entry->source);
         });
     }
 }
@@ -92,7 +97,7 @@ void add_list(CLI::App& app) {
     const auto options = std::make_shared<ListOptions>();
     command->add_option("what", options->what, "scenes, techniques, profiles or formats; all of them without it")
         ->type_name("WHAT");
-    command->add_flag("--verbose", options->verbose, "Print every field of every profile");
+    command->add_flag("--verbose", options->verbose, "Print every field of every profile, how certain it is and who says so");
     command->callback([options] {
         constexpr std::array<std::string_view, 5> kWhat{"", "scenes", "techniques", "profiles", "formats"};
         if (std::ranges::find(kWhat, options->what) == kWhat.end())

@@ -3,6 +3,7 @@
 #include "sim/error.h"
 #include "texunit/texture.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -40,6 +41,23 @@ float parse_number(const std::string& text, std::string_view option) {
     float value = 0;
     if (!read_all(text, value) || !std::isfinite(value)) fail("{} {}: expected a finite decimal number", option, text);
     return value;
+}
+
+std::vector<float> parse_numbers(const std::string& text, std::string_view option, std::size_t count) {
+    std::vector<float> numbers;
+    std::size_t first = 0;
+    while (numbers.size() <= count) {
+        const std::size_t comma = std::min(text.find(',', first), text.size());
+        float value = 0;
+        if (!read_all(std::string_view(text).substr(first, comma - first), value) || !std::isfinite(value)) break;
+        numbers.push_back(value);
+        if (comma == text.size()) {
+            if (numbers.size() == count) return numbers;
+            break;
+        }
+        first = comma + 1;
+    }
+    fail("{} {}: expected {} finite decimal numbers with commas between them", option, text, count);
 }
 
 std::pair<int, int> parse_size(const std::string& text, std::string_view option) {

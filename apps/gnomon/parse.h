@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace gnomon::cli {
 
@@ -15,6 +16,9 @@ std::uint64_t parse_u64(const std::string& text, std::string_view option);
 
 /// A decimal number, finite.
 float parse_number(const std::string& text, std::string_view option);
+
+/// "0.5,0,1": exactly `count` finite decimal numbers.
+std::vector<float> parse_numbers(const std::string& text, std::string_view option, std::size_t count);
 
 /// "1024x768": pixels, 1 to kMaxTextureSize each way.
 std::pair<int, int> parse_size(const std::string& text, std::string_view option);

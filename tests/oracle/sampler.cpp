@@ -461,6 +461,9 @@ private:
             bool first = true;
             bool leaks = false;
             for (const Tap& tap : taps) {
+                // a + 0 (b - a) of an infinite a: differences make NaN of it even where the other weight is 0.
+                const bool differences = infinities() == Infinities::Differences && taps.size() > 1;
+                leaks = leaks || (differences && !std::isfinite(tap.value[c]));
                 // What is not finite may or may not be propagated with weight 0; the form "lerp" does not. D3D11.3 7.18.16.2
                 if (tap.weight == 0) {
                     leaks = leaks || !std::isfinite(tap.value[c]);
@@ -778,11 +781,12 @@ Color gather(const Contents& contents, const Levels& view, const Sampler& sample
         const bool present = component < gnomon::format_info(contents.format).components;
         Part part = present ? part_of(tap, static_cast<std::size_t>(component)) : part_of(missing_value(component));
         // Integers arrive as numbers of the profile's arithmetic.
-        if (gnomon::format_info(contents.format).is_integer()) part = part_of(sampling.arithmetic().round(part.low));
+        if (gnomon::format_info(contents.format).is_integer() && !tap.approximate)
+            part = part_of(sampling.arithmetic().round(part.low));
         part.moved = !tap.approximate;
         const Rounding rounding{.texel = question.reference ? 0 : texel_error(contents.format, profile)};
         color[to] = outcome_of(part, rounding, sampler, profile, sampling.arithmetic());
-        color[to].denormals = true;
+        color[to].denormals = !tap.approximate;  // D3D11.3 22.4.2: a synthesised texel may be flushed
     }
     return color;
 }
