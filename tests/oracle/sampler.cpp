@@ -796,10 +796,11 @@ bool Outcome::accepts(double got) const {
     if (got == HUGE_VAL) return up || (finite && high == HUGE_VAL);
     if (got == -HUGE_VAL) return down || (finite && low == -HUGE_VAL);
     if (!finite) return false;
-    if (!bits) return got >= low && got <= high;
-    if (got >= low && got <= high && (low != high || std::signbit(got) == std::signbit(low))) return true;
-    // A denormal that was moved may or may not be flushed. D3D11.3 22.4.15
-    return !denormals && got == 0 && low == high && std::fabs(low) < 0x1p-126 && std::signbit(got) == std::signbit(low);
+    // A denormal that was moved or made may or may not be flushed. D3D11.3 22.4.2, 22.4.15
+    const bool tiny = std::fabs(low) < 0x1p-126 && std::fabs(high) < 0x1p-126;
+    const bool same_sign = std::signbit(got) == std::signbit(low);
+    if (!denormals && got == 0 && tiny && (!bits || low != high || same_sign)) return true;
+    return got >= low && got <= high && (!bits || low != high || same_sign);
 }
 
 bool Answer::accepts(const std::array<double, 4>& got) const {
