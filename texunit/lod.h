@@ -100,14 +100,18 @@ GNOMON_INLINE Real quantised_lod(const Real& lod, const Profile& profile) {
 template <class Real>
 GNOMON_INLINE Int nearest_level(const Real& lod, MipTie tie) {
     switch (tie) {
-        case MipTie::Up: return bounded_truncate_to_int(lod + Real(0.5f));
+        case MipTie::Up: {  // not lod + 1/2, which rounds to 1 just below 1/2
+            const Real whole = floor(lod);
+            return bounded_truncate_to_int(whole) + select(lod - whole >= Real(0.5f), Int(1), Int(0));
+        }
         case MipTie::Down: return Int(0) - bounded_truncate_to_int(floor(Real(0.5f) - lod));  // ceil(lod + 1/2) - 1
         case MipTie::Even: return bounded_round_to_int(lod);
     }
     __builtin_unreachable();
 }
 
-/// Bias, clamp, conversion to fixed point and choice of levels. NaN becomes the sampler's upper clamp, as IEEE min has it.
+/// Bias, clamp, conversion to fixed point and choice of levels; min or mag is decided after the conversion, for which 7.18.10
+/// ("if not already in fixed point form") leaves room. NaN becomes the sampler's upper clamp, as IEEE min has it.
 /// `bias` is the instruction's. D3D11.3 7.18.10, 7.18.11, 5.8
 template <class Real>
 GNOMON_INLINE LevelPair<Real> select_levels(const Real& lod, const Real& bias, const Sampler& sampler, const TextureView& view,
