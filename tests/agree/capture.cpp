@@ -12,8 +12,8 @@ constexpr std::size_t kMostSteps = 1100;  // of 10 bits and some
 
 std::string steps_text(const StepTable& table) {
     if (!table.refused.empty()) return "refused: " + table.refused;
-    std::string text = fmt::format("{} values at {} positions{}", table.distinct, table.last + 1,
-                                   table.is_monotone ? "" : ", not monotone");
+    std::string text =
+        fmt::format("{} values at {} positions{}", table.distinct, table.last + 1, table.is_monotone ? "" : ", not monotone");
     if (table.steps.size() > kMostSteps) return text;
     text += ';';
     for (const StepTable::Step& step : table.steps) text += fmt::format(" {}={:.9g}", step.position, step.value);
@@ -77,9 +77,8 @@ void add_levels(Lines& lines, const Measurements& all) {
     lines.add("lod limits after bias: {}", mips.clamps_after_bias);
     std::string curve;
     for (const GradientLod& point : all.lod.isotropic) curve += fmt::format(" {:.7g}", point.lod);
-    lines.add("lod of 2^(k/64) texels, k = 0 to 192:{}", curve);
-    for (const GradientLod& point : all.lod.oblique)
-        lines.add("lod of {}: {:.7g}", fmt::join(point.texels, " "), point.lod);
+    lines.add("lod of 2^(3 k / 200) texels, k = 0 to 200:{}", curve);
+    for (const GradientLod& point : all.lod.oblique) lines.add("lod of {}: {:.7g}", fmt::join(point.texels, " "), point.lod);
 }
 
 void add_anisotropy(Lines& lines, const AnisoMeasurement& aniso) {

@@ -80,11 +80,11 @@ void fit_carry(Fitting& fit, const WeightMeasurement& weights) {
 void fit_form(Fitting& fit) {
     const FormMeasurement& form = fit.seen.form;
     const auto all = [&](int count) { return form.samples > 0 && count == form.samples; };
-    const std::string seen =
-        fmt::format("of {} results, a + w (b - a) gives {}, fused {}, a (1 - w) + b w {}; an infinity {} beside weights above 0"
-                    " and {} weight 0",
-                    form.samples, form.lerps, form.fused, form.products, form.keeps_infinity ? "stays" : "turns NaN",
-                    form.ignores_infinity ? "is left out at" : "leaks in at");
+    const std::string seen = fmt::format(
+        "of {} results, a + w (b - a) gives {}, fused {}, a (1 - w) + b w {}; an infinity {} beside weights above 0"
+        " and {} weight 0",
+        form.samples, form.lerps, form.fused, form.products, form.keeps_infinity ? "stays" : "turns NaN",
+        form.ignores_infinity ? "is left out at" : "leaks in at");
     if (all(form.lerps) + all(form.fused) + all(form.products) != 1) {
         fit.keep(&P::bilinear_form, form.refused.empty() ? seen : form.refused);
         return;
@@ -102,15 +102,19 @@ void fit_unorm(Fitting& fit) {
     int codes = 0;
     int divides = 0;
     int reciprocals = 0;
+    const WeightMeasurement& bytes = weights_of(fit.seen, TexelFormat::Rgba8);
     for (const DecodeMeasurement& decode : fit.seen.decode) {
+        // A filter of codes says nothing about how other formats decode.
+        if (decode.format == TexelFormat::Rgba8 && bytes.between_codes == 2) continue;
         codes += decode.codes;
         divides += decode.divides;
         reciprocals += decode.reciprocals;
     }
     const FormMeasurement& form = fit.seen.form;
-    const std::string seen = fmt::format("of {} codes, {} are quotients, {} products with the reciprocal; of {} rg16unorm"
-                                         " filters, {} were of codes, {} of numbers",
-                                         codes, divides, reciprocals, form.samples, form.late_unorm, form.early_unorm);
+    const std::string seen = fmt::format(
+        "of {} codes, {} are quotients, {} products with the reciprocal; of {} rg16unorm"
+        " filters, {} were of codes, {} of numbers",
+        codes, divides, reciprocals, form.samples, form.late_unorm, form.early_unorm);
     const bool late = form.late_unorm == form.samples && form.late_unorm > form.early_unorm;
     const bool early = form.early_unorm == form.samples && form.early_unorm > form.late_unorm;
     if (divides == codes && reciprocals < codes) {
@@ -121,7 +125,6 @@ void fit_unorm(Fitting& fit) {
         fit.keep(&P::unorm_decode, seen);
     }
 
-    const WeightMeasurement& bytes = weights_of(fit.seen, TexelFormat::Rgba8);
     const std::string between = fmt::format("{} values between neighbouring codes of rgba8", bytes.between_codes);
     if (bytes.between_codes == 2) {
         fit.set(&P::unorm_filter, UnormFilter::Llvmpipe, between + ": results are codes");
@@ -156,8 +159,7 @@ void fit_addresses(Fitting& fit) {
         if (measured.format == TexelFormat::Rgba8) of_bytes = sixteen_bit_boundaries(measured, all);
     }
     if (floats.bits) {
-        fit.set(&P::address_arithmetic, AddressArithmetic::FixedPoint,
-                fmt::format("weights of {} bits", *floats.bits));
+        fit.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, fmt::format("weights of {} bits", *floats.bits));
     } else if (floats.is_exact && bytes.bits == 8 && rgba8.between_codes == 2) {
         fit.set(&P::address_arithmetic, AddressArithmetic::Llvmpipe,
                 "float weights are exact, those of rgba8 have 8 bits and its results are codes");

@@ -35,7 +35,7 @@ struct Residual {
     double rms = 0;
     double largest = 0;
 };
-/// Of log2 of isotropic gradients, in the order of Log2Model, levels unrounded.
-std::array<Residual, 3> log2_residuals(const LodMeasurement& lod);
+/// Of isotropic gradients to each Log2Model, in their order, stored as `profile` stores levels of detail.
+std::array<Residual, 3> log2_residuals(const LodMeasurement& lod, const Profile& profile);
 
 }  // namespace gnomon::agree

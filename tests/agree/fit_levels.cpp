@@ -155,9 +155,10 @@ void fit_probe_lines(Fitting& fit) {
         fit.keep(&P::probe_count, seen);
     }
     constexpr double kClose = 0.01;
-    const std::string places = fmt::format("off i / (N + 1) - 1/2 by up to {:.4f}, off (k + 1/2) / N - 1/2 by {:.4f}; weights"
-                                           " within {:.4f} of 1 / N",
-                                           interior, centred, static_cast<double>(uneven));
+    const std::string places = fmt::format(
+        "off i / (N + 1) - 1/2 by up to {:.4f}, off (k + 1/2) / N - 1/2 by {:.4f}; weights"
+        " within {:.4f} of 1 / N",
+        interior, centred, static_cast<double>(uneven));
     if (std::min(interior, centred) < kClose && std::max(interior, centred) > 2 * kClose) {
         fit.set(&P::probe_placement, interior < centred ? ProbePlacement::Interior : ProbePlacement::Centred, places);
     } else {
@@ -199,17 +200,16 @@ void fit_aniso_rule(Fitting& fit) {
         Residual residual;
     };
     std::vector<Ranked> ranked;
-    for (const LodHypothesis hypothesis :
-         {LodHypothesis{AnisoRule::D3d11, true}, LodHypothesis{AnisoRule::D3d11, false}, LodHypothesis{AnisoRule::OpenGl, true},
-          LodHypothesis{AnisoRule::OpenGl, false}, LodHypothesis{AnisoRule::Vulkan, false},
-          LodHypothesis{AnisoRule::Llvmpipe, false}})
+    for (const LodHypothesis hypothesis : {LodHypothesis{AnisoRule::D3d11, true}, LodHypothesis{AnisoRule::D3d11, false},
+                                           LodHypothesis{AnisoRule::OpenGl, true}, LodHypothesis{AnisoRule::OpenGl, false},
+                                           LodHypothesis{AnisoRule::Vulkan, false}, LodHypothesis{AnisoRule::Llvmpipe, false}})
         ranked.push_back({hypothesis, lod_residual(aniso, hypothesis, profile)});
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const Ranked& a, const Ranked& b) { return a.residual.rms < b.residual.rms; });
     const auto [best, residual] = ranked.front();
-    std::string seen = fmt::format("levels of detail within {:.4f} of {}, next {} ({:.3f})", residual.largest,
-                                   name_of_hypothesis(best), name_of_hypothesis(ranked[1].hypothesis),
-                                   ranked[1].residual.largest);
+    std::string seen =
+        fmt::format("levels of detail within {:.4f} of {}, next {} ({:.3f})", residual.largest, name_of_hypothesis(best),
+                    name_of_hypothesis(ranked[1].hypothesis), ranked[1].residual.largest);
     if (residual.largest > tolerance(profile)) {
         fit.keep(&P::aniso_rule, seen);
         fit.keep(&P::ellipse_transform, seen);
@@ -240,9 +240,9 @@ void fit_magnified_lod(Fitting& fit) {
     bool keeps = clamps;
     std::vector<std::string> lods;
     for (const AnisoLod& lod : fit.seen.aniso.magnified) {
-        constexpr double kClose = 0.05;
-        clamps = clamps && std::abs(lod.lod - lod.bias) < kClose;
-        keeps = keeps && std::abs(lod.lod - (std::log2(lod.texels[3]) + lod.bias)) < kClose;
+        const double close = 0.05 + tolerance(fit.fitted.profile);
+        clamps = clamps && std::abs(lod.lod - lod.bias) < close;
+        keeps = keeps && std::abs(lod.lod - (std::log2(lod.texels[3]) + lod.bias)) < close;
         lods.push_back(fmt::format("{:.3f}", lod.lod));
     }
     const std::string seen =
@@ -287,12 +287,12 @@ double stored_lod(double lod, const Profile& profile) {
     return (profile.lod_rounding == FixedRounding::NearestEven ? std::nearbyint(lod * steps) : std::floor(lod * steps)) / steps;
 }
 
-std::array<Residual, 3> log2_residuals(const LodMeasurement& lod) {
+std::array<Residual, 3> log2_residuals(const LodMeasurement& lod, const Profile& profile) {
     std::array<Residual, 3> residuals;
     for (const Log2Model model : {Log2Model::Exact, Log2Model::Linear2, Log2Model::Linear4}) {
         std::vector<double> differences;
         for (const GradientLod& point : lod.isotropic)
-            differences.push_back(point.lod - model_log2(point.texels[0], model));
+            differences.push_back(point.lod - stored_lod(model_log2(point.texels[0], model), profile));
         residuals[static_cast<std::size_t>(model)] = residual_of(differences);
     }
     return residuals;
@@ -306,13 +306,13 @@ void fit_levels(Fitting& fit) {
         fit.keep(&P::lod_rule, lod.refused);
         return;
     }
-    const std::array<Residual, 3> residuals = log2_residuals(lod);
-    const auto best = static_cast<std::size_t>(
-        std::min_element(residuals.begin(), residuals.end(), [](const Residual& a, const Residual& b) { return a.rms < b.rms; }) -
-        residuals.begin());
-    const std::string curve =
-        fmt::format("levels off log2 by up to {:.4f}, off linear-2 by {:.4f}, off linear-4 by {:.4f}", residuals[0].largest,
-                    residuals[1].largest, residuals[2].largest);
+    const std::array<Residual, 3> residuals = log2_residuals(lod, fit.fitted.profile);
+    const auto best =
+        static_cast<std::size_t>(std::min_element(residuals.begin(), residuals.end(),
+                                                  [](const Residual& a, const Residual& b) { return a.rms < b.rms; }) -
+                                 residuals.begin());
+    const std::string curve = fmt::format("levels off log2 by up to {:.4f}, off linear-2 by {:.4f}, off linear-4 by {:.4f}",
+                                          residuals[0].largest, residuals[1].largest, residuals[2].largest);
     if (residuals[best].largest <= tolerance(fit.fitted.profile)) {
         fit.set(&P::log2_model, static_cast<Log2Model>(best), curve);
     } else {
@@ -323,9 +323,9 @@ void fit_levels(Fitting& fit) {
     for (const LodRule rule : {LodRule::Longest, LodRule::Box, LodRule::Area}) {
         std::vector<double> differences;
         for (const GradientLod& point : lod.oblique)
-            differences.push_back(
-                point.lod - stored_lod(std::max(0.0, model_log2(scale_factor(Pair(point.texels), rule), fit.fitted.profile.log2_model)),
-                                       fit.fitted.profile));
+            differences.push_back(point.lod - stored_lod(std::max(0.0, model_log2(scale_factor(Pair(point.texels), rule),
+                                                                                  fit.fitted.profile.log2_model)),
+                                                         fit.fitted.profile));
         rules[static_cast<std::size_t>(rule)] = residual_of(differences);
     }
     const auto rule = static_cast<std::size_t>(

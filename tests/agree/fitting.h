@@ -31,8 +31,7 @@ private:
         std::size_t place = 0;
         const auto try_field = [&](const auto& field) {
             if constexpr (std::is_same_v<decltype(field.member), Value Profile::*>)
-                if (field.member == member)
-                    fitted.evidence[place - 2] = {std::string(field.name), basis, std::move(text)};
+                if (field.member == member) fitted.evidence[place - 2] = {std::string(field.name), basis, std::move(text)};
             ++place;
         };
         std::apply([&](const auto&... field) { (try_field(field), ...); }, Profile::fields());
@@ -40,7 +39,7 @@ private:
 };
 
 void fit_texels(Fitting& fit);
-void fit_levels(Fitting& fit);  // after fit_texels
+void fit_levels(Fitting& fit);      // after fit_texels
 void fit_anisotropy(Fitting& fit);  // after fit_levels
 
 /// log2 of `texels` as a model has it.

@@ -30,13 +30,11 @@ std::vector<float> try_quads(const Source& source, const Levels& texture, const 
                              std::span<const Point> points, std::string& refused) {
     std::vector<Point> twice;
     for (const Point& point : points) twice.insert(twice.end(), 2, point);
-    const std::vector<float> all =
-        try_samples(source, texture, sampler, Instruction::Gradient, as_quads(twice), refused);
+    const std::vector<float> all = try_samples(source, texture, sampler, Instruction::Gradient, as_quads(twice), refused);
     std::vector<float> values;
     for (std::size_t i = 0; i < all.size(); i += 8) values.push_back(all[i]);
     return values;
 }
-
 
 // The response of a one-level texture, 0 left and 1 right of the middle, to a footprint that walks across it.
 struct EdgeWalk {
@@ -138,17 +136,13 @@ double response_distance(const EdgeWalk& walk, std::span<const float> response, 
 
 void measure_magnified_probes(const Source& source, TexelFormat format, AnisoMeasurement& result) {
     // Off the texels' boundaries by an odd fraction of the step.
-    const EdgeWalk walk{.size = {64, 8},
-                        .major_texels = 4,
-                        .minor_texels = 0.5,
-                        .step_texels = 1.0 / 32,
-                        .reach_texels = 4 + 1.0 / 64};
+    const EdgeWalk walk{
+        .size = {64, 8}, .major_texels = 4, .minor_texels = 0.5, .step_texels = 1.0 / 32, .reach_texels = 4 + 1.0 / 64};
     std::vector<Point> points;
     walk.add_points(points);
     SamplerState sampler = clamped(Filter::Nearest);
     sampler.max_anisotropy = 16;
-    const std::vector<float> response =
-        try_quads(source, edge_levels(format, walk.size), sampler, points, result.refused);
+    const std::vector<float> response = try_quads(source, edge_levels(format, walk.size), sampler, points, result.refused);
     for (int n = 1; n <= 16; ++n) {
         const auto distance = [&](bool interior) {
             return response.empty() ? 1.0
@@ -160,7 +154,8 @@ void measure_magnified_probes(const Source& source, TexelFormat format, AnisoMea
     }
 }
 
-void measure_aniso_lod(const Source& source, TexelFormat format, float bias, std::vector<AnisoLod>& lods, std::string& refused) {
+void measure_aniso_lod(const Source& source, TexelFormat format, float bias, std::vector<AnisoLod>& lods,
+                       std::string& refused) {
     constexpr int kSize = 128;
     SamplerState sampler = clamped(Filter::Linear, Mip::Linear);
     sampler.max_anisotropy = 16;
@@ -216,11 +211,10 @@ MipMeasurement measure_mips(const Source& source, TexelFormat format) {
         const auto above = static_cast<float>(level);
         searches.push_back({.below = above - 0.75f, .above = above, .threshold = above - 0.5f});
     }
-    result.switch_lod = find_thresholds(searches, [&](std::span<const float> at) {
-        return sample_lods(chain, clamped(Filter::Nearest, Mip::Nearest), at);
-    });
-    for (const float level : sample_lods(chain, clamped(Filter::Nearest, Mip::Nearest),
-                                         std::vector<float>{0.5f, 1.5f, 2.5f, 3.5f}))
+    result.switch_lod = find_thresholds(
+        searches, [&](std::span<const float> at) { return sample_lods(chain, clamped(Filter::Nearest, Mip::Nearest), at); });
+    for (const float level :
+         sample_lods(chain, clamped(Filter::Nearest, Mip::Nearest), std::vector<float>{0.5f, 1.5f, 2.5f, 3.5f}))
         result.at_half.push_back(static_cast<int>(level));
 
     SamplerState limited = clamped(Filter::Linear, Mip::Linear);
@@ -239,8 +233,8 @@ MipMeasurement measure_mips(const Source& source, TexelFormat format) {
 LodMeasurement measure_lod(const Source& source, TexelFormat format) {
     constexpr int kSize = 64;
     LodMeasurement result;
-    for (int i = 0; i <= 3 * 64; ++i) {
-        const auto texels = narrow(std::exp2(i / 64.0));
+    for (int i = 0; i <= 200; ++i) {
+        const auto texels = narrow(std::exp2(i * 3 / 200.0));
         result.isotropic.push_back({.texels = {texels, 0, 0, texels}});
     }
     Sequence random;
@@ -249,8 +243,8 @@ LodMeasurement measure_lod(const Source& source, TexelFormat format) {
     for (std::vector<GradientLod>* lods : {&result.isotropic, &result.oblique}) {
         std::vector<Point> points;
         for (const GradientLod& lod : *lods) points.push_back(with_gradients(lod.texels, {kSize, kSize}));
-        const std::vector<float> values = try_samples(source, texture, clamped(Filter::Linear, Mip::Linear),
-                                                      Instruction::Gradient, points, result.refused);
+        const std::vector<float> values =
+            try_samples(source, texture, clamped(Filter::Linear, Mip::Linear), Instruction::Gradient, points, result.refused);
         if (values.size() != lods->size()) lods->clear();
         for (std::size_t i = 0; i < lods->size(); ++i) (*lods)[i].lod = values[i];
     }

@@ -80,13 +80,10 @@ void print_prediction(const Measurements& seen, const Profile& profile) {
         for (std::size_t k = 0; k < seen.boundaries[i].boundaries.size() && k < own.boundaries[i].boundaries.size(); ++k)
             count(seen.boundaries[i].boundaries[k].coordinate == own.boundaries[i].boundaries[k].coordinate);
     count(seen.mips.ramp == own.mips.ramp);
-    for (std::size_t i = 0; i < seen.lod.isotropic.size(); ++i)
-        count(seen.lod.isotropic[i].lod == own.lod.isotropic[i].lod);
+    for (std::size_t i = 0; i < seen.lod.isotropic.size(); ++i) count(seen.lod.isotropic[i].lod == own.lod.isotropic[i].lod);
     for (std::size_t i = 0; i < seen.lod.oblique.size(); ++i) count(seen.lod.oblique[i].lod == own.lod.oblique[i].lod);
-    for (std::size_t i = 0; i < seen.aniso.straight.size(); ++i)
-        count(seen.aniso.straight[i].lod == own.aniso.straight[i].lod);
-    for (std::size_t i = 0; i < seen.aniso.oblique.size(); ++i)
-        count(seen.aniso.oblique[i].lod == own.aniso.oblique[i].lod);
+    for (std::size_t i = 0; i < seen.aniso.straight.size(); ++i) count(seen.aniso.straight[i].lod == own.aniso.straight[i].lod);
+    for (std::size_t i = 0; i < seen.aniso.oblique.size(); ++i) count(seen.aniso.oblique[i].lod == own.aniso.oblique[i].lod);
     fmt::print("\nThe profile gives {} of {} tables, boundaries and levels to the bit.\n", same, all);
 }
 
@@ -111,8 +108,9 @@ int run(const Options& options) {
         }
         const peer::PeerDevice device = chosen_device(devices, options.device);
         SamplingPeer machine(device);
-        seen = measure_all([&](const Levels& texture, const SamplerState& sampler, Instruction instruction,
-                               std::span<const Point> points) { return machine.sample(texture, sampler, instruction, points); });
+        seen =
+            measure_all([&](const Levels& texture, const SamplerState& sampler, Instruction instruction,
+                            std::span<const Point> points) { return machine.sample(texture, sampler, instruction, points); });
         seen.device = device.name;
         seen.reported_subpixel_bits = static_cast<int>(device.limits.sub_pixel_bits);
     }
@@ -138,8 +136,9 @@ int main(int argc, char** argv) {
     using namespace gnomon;
     agree::Options options;
     CLI::App app{"Measures the texture unit of a Vulkan device and writes its profile."};
-    auto* device = app.add_option("--device", options.device, "a device's index, or part of its or its driver's name; the first"
-                                                              " without it");
+    auto* device = app.add_option("--device", options.device,
+                                  "a device's index, or part of its or its driver's name; the first"
+                                  " without it");
     app.add_option("--profile", options.profile, "measure this profile of ours, a preset or a file, instead of a device")
         ->excludes(device);
     app.add_option("--out", options.out, "the profile, as JSON");

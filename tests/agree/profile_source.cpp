@@ -89,8 +89,7 @@ std::vector<Sample> gathered(const TextureView& view, const Sampler& sampler, co
     const DenormalScope denormals(profile.flush_denormals);
     std::vector<Sample> samples;
     for (const Point& point : points) {
-        const auto texels =
-            gather<Float>(view, sampler, profile, Vec3<Float>{Float(point.u), Float(point.v), Float(0.0f)}, 0);
+        const auto texels = gather<Float>(view, sampler, profile, Vec3<Float>{Float(point.u), Float(point.v), Float(0.0f)}, 0);
         samples.push_back({lane(texels.x, 0), lane(texels.y, 0), lane(texels.z, 0), lane(texels.w, 0)});
     }
     return samples;
