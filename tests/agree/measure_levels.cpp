@@ -71,28 +71,34 @@ EdgeWalk probe_walk(double ratio) {
             .reach_texels = kMinorTexels * ratio / 2 + 3};
 }
 
-// Rises of the response, each between two flat stretches.
+// Rises of the response, parted by flat stretches: those of coarse weights within one rise are shorter.
 ProbeLine probes_of(const EdgeWalk& walk, std::span<const float> response) {
     constexpr float kFlat = 1e-5f;
-    constexpr double kWidest = 1.5;  // texels
+    constexpr double kParting = 0.3;  // texels
+    constexpr double kWidest = 1.5;   // texels
     ProbeLine line;
-    for (std::size_t i = 1; i < response.size();) {
-        double weight = 0;
-        double moment = 0;
-        const std::size_t first = i;
-        for (; i < response.size() && std::abs(response[i] - response[i - 1]) > kFlat; ++i) {
-            const double rise = response[i] - response[i - 1];
-            weight += rise;
-            moment += rise * walk.at(static_cast<double>(i) - 0.5);
-        }
-        if (i == first) {
-            ++i;
-            continue;
-        }
-        if (static_cast<double>(i - first) * walk.step_texels > kWidest) line.is_smooth = true;
+    std::size_t first = 0;
+    std::size_t last = 0;
+    double weight = 0;
+    double moment = 0;
+    const auto finish = [&] {
+        if (first == 0) return;
+        if (static_cast<double>(last + 1 - first) * walk.step_texels > kWidest) line.is_smooth = true;
         line.weights.push_back(narrow(weight));
         line.positions.push_back(narrow(-moment / weight / walk.major_texels));
+        first = 0;
+        weight = moment = 0;
+    };
+    for (std::size_t i = 1; i < response.size(); ++i) {
+        const double rise = response[i] - response[i - 1];
+        if (std::abs(rise) <= kFlat) continue;
+        if (first != 0 && static_cast<double>(i - last) * walk.step_texels > kParting) finish();
+        if (first == 0) first = i;
+        last = i;
+        weight += rise;
+        moment += rise * walk.at(static_cast<double>(i) - 0.5);
     }
+    finish();
     std::reverse(line.positions.begin(), line.positions.end());
     std::reverse(line.weights.begin(), line.weights.end());
     line.is_smooth = line.is_smooth || line.weights.size() > 16;

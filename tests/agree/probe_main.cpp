@@ -2,6 +2,7 @@
 #include "sim/error.h"
 #include "tests/agree/capture.h"
 #include "tests/agree/fit.h"
+#include "tests/agree/names.h"
 #include "tests/agree/profile_source.h"
 #include "tests/agree/sampling.h"
 
@@ -9,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -69,6 +71,36 @@ std::string_view basis_text(Basis basis) {
     return "";
 }
 
+// Largest distance of a texel's boundary from its place, texels, for sizes that are powers of two or not.
+double largest_offset(const BoundaryMeasurement& measured, bool power_of_two) {
+    double largest = 0;
+    for (const TexelBoundary& boundary : measured.boundaries)
+        if (((boundary.size & (boundary.size - 1)) == 0) == power_of_two)
+            largest = std::abs(boundary.offset_texels) > std::abs(largest) ? boundary.offset_texels : largest;
+    return largest;
+}
+
+// What no field of a profile says.
+void print_rest(const Measurements& seen) {
+    fmt::print("\n");
+    for (const BoundaryMeasurement& measured : seen.boundaries)
+        fmt::print("nearest texels of {} begin within {:+.6f} texels of their place, of other sizes than 2^n {:+.6f}{}\n",
+                   name_of(measured.format), largest_offset(measured, true), largest_offset(measured, false), measured.refused);
+    fmt::print("limits of the level of detail apply {}\n",
+               seen.mips.clamps_after_bias ? "after the bias" : "otherwise than after the bias");
+    const StepRule compared = step_rule(seen.compare.ramp);
+    fmt::print("comparisons of d32f {} to the ulp; filtered they give {} values, {}{}\n",
+               seen.compare.is_strict ? "are exact" : "are not exact", seen.compare.ramp.distinct,
+               compared.is_exact ? "unrounded"
+               : compared.bits   ? fmt::format("{} bits", *compared.bits)
+                                 : "by no rule",
+               seen.compare.ramp.refused);
+    for (const ProbeLine& line : seen.aniso.beyond)
+        fmt::print("at a ratio of {:g} {}\n", line.ratio,
+                   line.is_smooth ? "there are no separate probes" : fmt::format("there are {} probes", line.positions.size()));
+    if (!seen.aniso.refused.empty()) fmt::print("anisotropy: {}\n", seen.aniso.refused);
+}
+
 // How far the profile's own samples have the numbers that were measured.
 void print_prediction(const Measurements& seen, const Profile& profile) {
     const Measurements own = measure_all(profile_source(profile));
@@ -89,6 +121,7 @@ void print_prediction(const Measurements& seen, const Profile& profile) {
 
 int run(const Options& options) {
     Measurements seen;
+    std::string driver = "Gnomon";
     if (!options.profile.empty()) {
         const Profile profile = load_profile(options.profile);
         seen = measure_all(profile_source(profile));
@@ -112,6 +145,7 @@ int run(const Options& options) {
             measure_all([&](const Levels& texture, const SamplerState& sampler, Instruction instruction,
                             std::span<const Point> points) { return machine.sample(texture, sampler, instruction, points); });
         seen.device = device.name;
+        driver = fmt::format("{}, {}, Vulkan {}", device.driver, device.driver_info, device.api_version);
         seen.reported_subpixel_bits = static_cast<int>(device.limits.sub_pixel_bits);
     }
 
@@ -123,9 +157,10 @@ int run(const Options& options) {
         const FieldEvidence& evidence = fitted.evidence[field++];
         fmt::print("{:<21} {:<12} {:<15} {}\n", name, value_text(value), basis_text(evidence.basis), evidence.text);
     });
+    print_rest(seen);
     print_prediction(seen, fitted.profile);
     if (!options.out.empty()) write_file(options.out, profile_to_json(fitted.profile) + '\n');
-    if (!options.record.empty()) write_file(options.record, capture_text(seen));
+    if (!options.record.empty()) write_file(options.record, fmt::format("driver: {}\n", driver) + capture_text(seen));
     return 0;
 }
 
