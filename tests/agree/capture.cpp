@@ -72,6 +72,7 @@ void add_levels(Lines& lines, const Measurements& all) {
     lines.add("lod 0 to 1: {}", steps_text(mips.ramp));
     lines.add("lod of 1024 fine positions: {}", mips.fine_distinct);
     std::vector<std::string> switches;
+    switches.reserve(mips.switch_lod.size());
     for (const float lod : mips.switch_lod) switches.push_back(fmt::format("{:a}", lod));
     lines.add("nearest levels from: {}; at halves: {}", fmt::join(switches, " "), fmt::join(mips.at_half, " "));
     lines.add("lod limits after bias: {}", mips.clamps_after_bias);

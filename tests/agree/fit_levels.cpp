@@ -204,8 +204,7 @@ void fit_aniso_rule(Fitting& fit) {
                                            LodHypothesis{AnisoRule::OpenGl, true}, LodHypothesis{AnisoRule::OpenGl, false},
                                            LodHypothesis{AnisoRule::Vulkan, false}, LodHypothesis{AnisoRule::Llvmpipe, false}})
         ranked.push_back({hypothesis, lod_residual(aniso, hypothesis, profile)});
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const Ranked& a, const Ranked& b) { return a.residual.rms < b.residual.rms; });
+    std::sort(ranked.begin(), ranked.end(), [](const Ranked& a, const Ranked& b) { return a.residual.rms < b.residual.rms; });
     const auto [best, residual] = ranked.front();
     std::string seen =
         fmt::format("levels of detail within {:.4f} of {}, next {} ({:.3f})", residual.largest, name_of_hypothesis(best),
@@ -291,6 +290,7 @@ std::array<Residual, 3> log2_residuals(const LodMeasurement& lod, const Profile&
     std::array<Residual, 3> residuals;
     for (const Log2Model model : {Log2Model::Exact, Log2Model::Linear2, Log2Model::Linear4}) {
         std::vector<double> differences;
+        differences.reserve(lod.isotropic.size());
         for (const GradientLod& point : lod.isotropic)
             differences.push_back(point.lod - stored_lod(model_log2(point.texels[0], model), profile));
         residuals[static_cast<std::size_t>(model)] = residual_of(differences);
@@ -322,6 +322,7 @@ void fit_levels(Fitting& fit) {
     std::array<Residual, 3> rules;
     for (const LodRule rule : {LodRule::Longest, LodRule::Box, LodRule::Area}) {
         std::vector<double> differences;
+        differences.reserve(lod.oblique.size());
         for (const GradientLod& point : lod.oblique)
             differences.push_back(point.lod - stored_lod(std::max(0.0, model_log2(scale_factor(Pair(point.texels), rule),
                                                                                   fit.fitted.profile.log2_model)),

@@ -108,6 +108,7 @@ std::vector<float> find_thresholds(std::span<const Search> searches,
         }
     }
     std::vector<float> found;
+    found.reserve(high.size());
     for (const std::uint32_t bits : high) found.push_back(std::bit_cast<float>(bits));
     return found;
 }

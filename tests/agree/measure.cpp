@@ -46,6 +46,7 @@ bool explains(const StepTable& table, StepRule& rule) {
 
 std::vector<Point> along_u(int count, double first, double step) {
     std::vector<Point> points;
+    points.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) points.push_back({.u = static_cast<float>(first + i * step), .v = 0.5f});
     return points;
 }
@@ -113,6 +114,7 @@ void measure_unorm_form(const Source& source, const Pairs& pairs, FormMeasuremen
     constexpr float kLargest = 65535.0f;
     Sequence random;
     std::vector<float> codes;
+    codes.reserve(std::size_t{2} * Pairs::kCount);
     for (int i = 0; i < 2 * Pairs::kCount; ++i) codes.push_back(narrow(std::floor(random.next() * 65536)));
     const Levels texture = made_levels(TexelFormat::Rg16Unorm, {2 * Pairs::kCount, 1}, 1,
                                        [&](int, int x, int) { return codes[static_cast<std::size_t>(x)] / kLargest; });
@@ -197,6 +199,7 @@ BoundaryMeasurement measure_boundaries(const Source& source, TexelFormat format)
         for (const int k : {size / 2, size - 1})
             if (k > texels.back()) texels.push_back(k);
         std::vector<Search> searches;
+        searches.reserve(texels.size());
         for (const int k : texels)
             searches.push_back({.below = narrow((k - 0.5) / size),
                                 .above = narrow((k + 0.5) / size),

@@ -167,6 +167,7 @@ void measure_aniso_lod(const Source& source, TexelFormat format, float bias, std
     sampler.max_anisotropy = 16;
     sampler.lod_bias = bias;
     std::vector<Point> points;
+    points.reserve(lods.size());
     for (const AnisoLod& lod : lods) points.push_back(with_gradients(lod.texels, {kSize, kSize}));
     const std::vector<float> values = try_quads(source, numbered_levels(format, kSize), sampler, points, refused);
     if (values.size() != lods.size()) lods.clear();
