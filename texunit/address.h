@@ -109,11 +109,15 @@ GNOMON_INLINE AxisTexels<Real> fixed_point_texels(const Real& reduced, Int size,
     const TexelPosition<Real> at = to_texel(reduced * Real(size) - corner, profile);
 
     // Wrap each texel index separately.
-    AxisTexels<Real> axis{.texel = {}, .outside = {}, .fraction = at.fraction};
-    for (std::size_t i = 0; i < (linear ? 2u : 1u); ++i) {
-        const Int texel = at.texel + Int(static_cast<int>(i) + offset);
-        axis.texel[i] = apply_address_mode(texel, size, mode, offset != 0);
-        axis.outside[i] = outside(texel, size, mode);
+    AxisTexels<Real> axis;
+    axis.fraction = at.fraction;
+    const Int first = at.texel + Int(offset);
+    axis.texel[0] = apply_address_mode(first, size, mode, offset != 0);
+    axis.outside[0] = outside(first, size, mode);
+    if (linear) {
+        const Int second = first + Int(1);
+        axis.texel[1] = apply_address_mode(second, size, mode, offset != 0);
+        axis.outside[1] = outside(second, size, mode);
     }
     return axis;
 }

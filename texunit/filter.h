@@ -59,32 +59,40 @@ GNOMON_INLINE Real blend(const Real& a, const Real& b, const Real& weight, const
 template <std::size_t kCount, class Value>
 using Texels = std::array<std::array<Value, kCount>, 4>;
 
-/// What `tap(byte_offset, outside)` returns for the texels of a footprint. Where a cube has no texel, the mean of its three
-/// neighbours or of the adjacent two stands in. D3D11.3 7.18.12
+/// Where a cube has no texel, the mean of its three neighbours or of the adjacent two stands in. D3D11.3 7.18.12
+template <std::size_t kCount, class Real>
+[[gnu::noinline]] void fill_corners(const Footprint<Real>& f, CubeCorner rule, Texels<kCount, Real>& t) {
+    const Texels<kCount, Real> faces = t;
+    const bool three = rule == CubeCorner::ThreeTexels;
+    const Real third(3.0f);
+    const Real half(0.5f);
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t c = 0; c < kCount; ++c) {
+            // As the first plus differences, so that equal texels stay what they are.
+            const Real& beside = faces[i ^ 1][c];
+            const Real& above = faces[i ^ 2][c];
+            const Real& across = faces[i ^ 3][c];
+            const Real mean =
+                three ? beside + ((above - beside) + (across - beside)) / third : beside + (above - beside) * half;
+            // Where differences overflow or infinities meet, the shares themselves.
+            const Real shares = three ? (beside / third + above / third) + across / third : beside * half + above * half;
+            t[i][c] = select(f.corner[i], select(mean - mean == Real(0.0f), mean, shares), t[i][c]);
+        }
+    }
+}
+
+/// What `tap(byte_offset, outside)` returns for the texels of a footprint.
 template <std::size_t kCount, class Value, class Real, class Tap>
 GNOMON_INLINE Texels<kCount, Value> read_texels(const Footprint<Real>& f, CubeCorner corner_rule, const Tap& tap) {
     Texels<kCount, Value> t;
     t[0] = tap(f.offset[0], f.outside[0]);
     if (!f.linear) return t;
-    for (std::size_t i = 1; i < 4; ++i) t[i] = tap(f.offset[i], f.outside[i]);
+    t[1] = tap(f.offset[1], f.outside[1]);
+    t[2] = tap(f.offset[2], f.outside[2]);
+    t[3] = tap(f.offset[3], f.outside[3]);
     if constexpr (!std::is_same_v<Value, Int>) {
-        if (!f.has_corner) return t;
-        const Texels<kCount, Value> faces = t;
-        for (std::size_t i = 0; i < 4; ++i) {
-            for (std::size_t c = 0; c < kCount; ++c) {
-                // As the first plus differences, so that equal texels stay what they are.
-                const Value& beside = faces[i ^ 1][c];
-                const Value& above = faces[i ^ 2][c];
-                const Value& across = faces[i ^ 3][c];
-                const bool three = corner_rule == CubeCorner::ThreeTexels;
-                const Value mean = three ? beside + ((above - beside) + (across - beside)) / Value(3.0f)
-                                         : beside + (above - beside) * Value(0.5f);
-                // Where differences overflow or infinities meet, the shares themselves.
-                const Value shares = three ? (beside / Value(3.0f) + above / Value(3.0f)) + across / Value(3.0f)
-                                           : beside * Value(0.5f) + above * Value(0.5f);
-                t[i][c] = select(f.corner[i], select(mean - mean == Value(0.0f), mean, shares), t[i][c]);
-            }
-        }
+        if (f.has_corner) [[unlikely]]
+            fill_corners(f, corner_rule, t);
     }
     return t;
 }

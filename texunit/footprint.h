@@ -86,24 +86,27 @@ GNOMON_INLINE Footprint<Real> make_footprint(const Lookup& lookup, const LevelLa
     const AxisTexels<Real> u = axis_texels(lookup, reduced.x, level.width, lookup.view.width(), linear, false);
     const AxisTexels<Real> v = axis_texels(lookup, reduced.y, level.height, lookup.view.height(), linear, true);
 
-    Footprint<Real> footprint{
-        .linear = linear, .offset = {}, .outside = {}, .corner = {}, .fraction_u = u.fraction, .fraction_v = v.fraction};
+    Footprint<Real> footprint;
+    footprint.linear = linear;
+    footprint.fraction_u = u.fraction;
+    footprint.fraction_v = v.fraction;
     const Texture& texture = lookup.view.texture();
     Int origin = level.offset;
     if (texture.desc().layers > 1) origin += lookup.layer * Int(texture.layer_stride());
     const Int bytes(texture.info().bytes_per_texel);
-    const std::size_t side = linear ? 2 : 1;
-    std::array<Int, 2> row;
-    std::array<Int, 2> column;
-    for (std::size_t i = 0; i < side; ++i) {
-        column[i] = u.texel[i] * bytes;
-        row[i] = v.texel[i] * level.pitch + origin;
-    }
-    for (std::size_t y = 0; y < side; ++y) {
-        for (std::size_t x = 0; x < side; ++x) {
-            footprint.offset[2 * y + x] = column[x] + row[y];
-            footprint.outside[2 * y + x] = u.outside[x] | v.outside[y];
-        }
+    const Int left = u.texel[0] * bytes;
+    const Int upper = v.texel[0] * level.pitch + origin;
+    footprint.offset[0] = left + upper;
+    footprint.outside[0] = u.outside[0] | v.outside[0];
+    if (linear) {
+        const Int right = u.texel[1] * bytes;
+        const Int lower = v.texel[1] * level.pitch + origin;
+        footprint.offset[1] = right + upper;
+        footprint.offset[2] = left + lower;
+        footprint.offset[3] = right + lower;
+        footprint.outside[1] = u.outside[1] | v.outside[0];
+        footprint.outside[2] = u.outside[0] | v.outside[1];
+        footprint.outside[3] = u.outside[1] | v.outside[1];
     }
     return footprint;
 }
@@ -120,8 +123,10 @@ template <class Real>
     const Int size = level.width;
     const Int last = size - Int(1);
 
-    Footprint<Real> footprint{
-        .linear = linear, .offset = {}, .outside = {}, .corner = {}, .fraction_u = u.fraction, .fraction_v = v.fraction};
+    Footprint<Real> footprint;
+    footprint.linear = linear;
+    footprint.fraction_u = u.fraction;
+    footprint.fraction_v = v.fraction;
     const Texture& texture = lookup.view.texture();
     const bool seamless = linear && profile.cube_edges == CubeEdges::Seamless;
     for (std::size_t tap = 0; tap < (linear ? 4u : 1u); ++tap) {

@@ -52,11 +52,11 @@ GNOMON_INLINE Real lod_of_square(const Real& squared, Log2Model model) {
 template <class Real>
 struct LevelOfDetail {
     Real lod;                  // before bias and clamp
-    bool anisotropic = false;  // the members below count
-    Real ratio{1.0f};          // of anisotropy, after its limit; at least 1
-    Vec2<Real> major{};        // line of the probes, from end to end, normalised coordinates
-    Vec2<Real> minor{};        // the ellipse's other axis after the limit: what elliptical filters take
-    Int probes{1};             // 1 to 16
+    bool anisotropic = false;  // only then the members below mean something
+    Real ratio;                // of anisotropy, after its limit; at least 1
+    Vec2<Real> major;          // line of the probes, from end to end, normalised coordinates
+    Vec2<Real> minor;          // the ellipse's other axis after the limit: what elliptical filters take
+    Int probes;                // 1 to 16
 
     LevelOfDetail(const Real& level) : lod(level) {}  // isotropic: sample_l
 };

@@ -38,8 +38,10 @@ LevelOfDetail<Float> llvmpipe_anisotropy(const Gradients<Float>& gradients, int 
     const Vec2<Float> y{gradients.dy.x * w, gradients.dy.y * h};
     LevelOfDetail<Float> result(half_log2_linear(min_second(dot(x, x), dot(y, y))));
     result.anisotropic = true;
+    result.ratio = Float(1.0f);
     result.major = gradients.dx;
     result.minor = gradients.dy;
+    result.probes = Int(1);
     return result;
 }
 
@@ -60,6 +62,7 @@ LevelOfDetail<Float> swiftshader_anisotropy(const Gradients<Float>& gradients, i
     result.anisotropic = true;
     result.ratio = ratio;
     result.major = {select(major_is_x, gradients.dx.x, gradients.dy.x), select(major_is_x, gradients.dx.y, gradients.dy.y)};
+    result.minor = {Float(0.0f), Float(0.0f)};
     result.probes = clamp(round_to_int(ratio), Int(1), Int(max_anisotropy));
     return result;
 }

@@ -28,7 +28,7 @@ public:
         record_.lod = number(lod.lod, 0);
         record_.clamped_lod = number(pair.clamped, 0);
         record_.magnified = in_lane(pair.magnify);
-        record_.ratio = number(lod.ratio, 0);
+        if (lod.anisotropic) record_.ratio = number(lod.ratio, 0);
     }
     template <class Real>
     void begin_probe(const Vec2<Real>& at, const Real& weight, Mask lanes) {

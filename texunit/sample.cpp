@@ -7,30 +7,30 @@ namespace gnomon {
 
 namespace {
 
-/// Calls visit(Codec<...>{}) and returns true where the format is one that shadow maps use.
-template <class Visit>
-bool with_common_codec(Format format, const Visit& visit) {
+/// Calls visit(Codec<...>{}) where the format is one that shadow maps use, else other().
+template <class Visit, class Other>
+auto with_common_codec(Format format, const Visit& visit, const Other& other) {
     using enum ComponentType;
     switch (format) {
-        case Format::Rg32Float: return visit(Codec<Float32, 2>{}), true;
-        case Format::Rg16Float: return visit(Codec<Float16, 2>{}), true;
-        case Format::R32Float: return visit(Codec<Float32, 1>{}), true;
-        case Format::Rgba32Float: return visit(Codec<Float32, 4>{}), true;
-        case Format::Rgba16Float: return visit(Codec<Float16, 4>{}), true;
-        case Format::Rg16Unorm: return visit(Codec<Unorm16, 2>{}), true;
-        case Format::Rgba8Unorm: return visit(Codec<Unorm8, 4>{}), true;
-        case Format::D32Float: return visit(Codec<Depth32, 1>{}), true;
-        default: return false;
+        case Format::Rg32Float: return visit(Codec<Float32, 2>{});
+        case Format::Rg16Float: return visit(Codec<Float16, 2>{});
+        case Format::R32Float: return visit(Codec<Float32, 1>{});
+        case Format::Rgba32Float: return visit(Codec<Float32, 4>{});
+        case Format::Rgba16Float: return visit(Codec<Float16, 4>{});
+        case Format::Rg16Unorm: return visit(Codec<Unorm16, 2>{});
+        case Format::Rgba8Unorm: return visit(Codec<Unorm8, 4>{});
+        case Format::D32Float: return visit(Codec<Depth32, 1>{});
+        default: return other();
     }
 }
-template <class Visit>
-bool with_depth_codec(Format format, const Visit& visit) {
+template <class Visit, class Other>
+auto with_depth_codec(Format format, const Visit& visit, const Other& other) {
     using enum ComponentType;
     switch (format) {
-        case Format::D16: return visit(Codec<Depth16, 1>{}), true;
-        case Format::D24: return visit(Codec<Depth24, 1>{}), true;
-        case Format::D32Float: return visit(Codec<Depth32, 1>{}), true;
-        default: return false;
+        case Format::D16: return visit(Codec<Depth16, 1>{});
+        case Format::D24: return visit(Codec<Depth24, 1>{});
+        case Format::D32Float: return visit(Codec<Depth32, 1>{});
+        default: return other();
     }
 }
 
@@ -43,28 +43,29 @@ Vec4<Real> sample(const TextureView& view, const Sampler& sampler, const Profile
     if (view.empty()) [[unlikely]]
         return out_of_bounds<Real>(format);
     Unobserved nobody;
+    const auto any_format = [&] { return sample_observed<0>(view, sampler, profile, coordinate, lod, operands, nobody); };
     if constexpr (std::is_same_v<Real, Float>) {
         const bool inlined = (profile.filters_float32 || format.type != ComponentType::Float32) &&
                              (!lod.anisotropic || filters_by_probes(profile));
-        Vec4<Real> color{};
-        const bool done =
-            inlined && with_common_codec(format.format, [&]<class AnyCodec>(AnyCodec) {
-                constexpr std::size_t kCount = AnyCodec::kComponents;
-                using Tap = NumberTap<AnyCodec, Real>;
-                const Instruction how = decide_instruction(format, sampler, profile, false, false);
-                const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
-                const Lookup lookup{
-                    view, sampler, profile, operands.offset, at.layer, how.integer_coordinates, how.fixed_coordinates};
-                const Tap tap(lookup, how.numbers);
-                SampleCore<kCount, Real, Real, Tap, Unobserved> core(lookup, how.blend, tap, nobody);
-                auto result = core.sample(at.uv, lod, operands.lod_bias);
-                if (how.numbers.code_scale != 0.0f)
-                    for (Real& component : result) component = component * Real(1.0f / how.numbers.largest);
-                color = expand(result);
-            });
-        if (done) return color;
+        if (!inlined) return any_format();
+        const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
+            constexpr std::size_t kCount = AnyCodec::kComponents;
+            using Tap = NumberTap<AnyCodec, Real>;
+            const Instruction how = decide_instruction(format, sampler, profile, false, false);
+            const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
+            const Lookup lookup{
+                view, sampler, profile, operands.offset, at.layer, how.integer_coordinates, how.fixed_coordinates};
+            const Tap tap(lookup, how.numbers);
+            SampleCore<kCount, Real, Real, Tap, Unobserved> core(lookup, how.blend, tap, nobody);
+            auto result = core.sample(at.uv, lod, operands.lod_bias);
+            if (how.numbers.code_scale != 0.0f)
+                for (Real& component : result) component = component * Real(1.0f / how.numbers.largest);
+            return expand(result);
+        };
+        return with_common_codec(format.format, inline_format, any_format);
+    } else {
+        return any_format();
     }
-    return sample_observed<0>(view, sampler, profile, coordinate, lod, operands, nobody);
 }
 
 template <class Real>
@@ -74,21 +75,24 @@ Real sample_compare(const TextureView& view, const Sampler& sampler, const Profi
     Unobserved nobody;
     if (view.empty()) [[unlikely]]
         return compare_out_of_bounds(Lookup{view, sampler, profile, operands.offset, Int(0)}, reference);
+    const auto any_format = [&] {
+        return compare_observed(view, sampler, profile, coordinate, reference, lod, operands, nobody);
+    };
     if constexpr (std::is_same_v<Real, Float>) {
-        Real result;
-        const bool inlined = !lod.anisotropic || filters_by_probes(profile);
-        const bool done = inlined && with_depth_codec(format.format, [&]<class AnyCodec>(AnyCodec) {
-                              using Tap = CompareTap<AnyCodec, Real>;
-                              const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
-                              const Lookup lookup{view, sampler, profile, operands.offset, at.layer};
-                              const Blend blend{.form = profile.bilinear_form, .carry = profile.texel_carry};
-                              const Tap tap(lookup, reference);
-                              SampleCore<1, Real, Real, Tap, Unobserved> core(lookup, blend, tap, nobody);
-                              result = core.sample(at.uv, lod, operands.lod_bias)[0];
-                          });
-        if (done) return result;
+        if (lod.anisotropic && !filters_by_probes(profile)) return any_format();
+        const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
+            using Tap = CompareTap<AnyCodec, Real>;
+            const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
+            const Lookup lookup{view, sampler, profile, operands.offset, at.layer};
+            const Blend blend{.form = profile.bilinear_form, .carry = profile.texel_carry};
+            const Tap tap(lookup, reference);
+            return SampleCore<1, Real, Real, Tap, Unobserved>(lookup, blend, tap, nobody)
+                .sample(at.uv, lod, operands.lod_bias)[0];
+        };
+        return with_depth_codec(format.format, inline_format, any_format);
+    } else {
+        return any_format();
     }
-    return compare_observed(view, sampler, profile, coordinate, reference, lod, operands, nobody);
 }
 
 template Vec4<Float> sample(const TextureView&, const Sampler&, const Profile&, const Vec3<Float>&, const LevelOfDetail<Float>&,
