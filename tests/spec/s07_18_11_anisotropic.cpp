@@ -34,33 +34,33 @@ Pair ellipse(const Pair& d) {
     const bool skipped =
         !finite || length(d.x) == 0 || length(d.y) == 0 || area(d.x, d.y) == 0 || d.x.u * d.y.u + d.x.v * d.y.v == 0;
     if (skipped) return d;
-    const long double A = square(d.x.v) + square(d.y.v);
-    const long double B = -2 * (d.x.u * d.x.v + d.y.u * d.y.v);
-    const long double C = square(d.x.u) + square(d.y.u);
-    const long double F = square(d.x.u * d.y.v - d.y.u * d.x.v);
-    const long double p = A - C;
-    const long double q = A + C;
-    const long double t = std::sqrt(p * p + B * B);
-    const long double sgn = B < 0 ? -1 : 1;
-    const Pair axes{{std::sqrt(F * (t + p) / (t * (q + t))), std::sqrt(F * (t - p) / (t * (q + t))) * sgn},
-                    {std::sqrt(F * (t - p) / (t * (q - t))) * -sgn, std::sqrt(F * (t + p) / (t * (q - t)))}};
+    const long double a = square(d.x.v) + square(d.y.v);
+    const long double b = -2 * (d.x.u * d.x.v + d.y.u * d.y.v);
+    const long double c = square(d.x.u) + square(d.y.u);
+    const long double f = square(d.x.u * d.y.v - d.y.u * d.x.v);
+    const long double p = a - c;
+    const long double q = a + c;
+    const long double t = std::sqrt(p * p + b * b);
+    const long double sgn = b < 0 ? -1 : 1;
+    const Pair axes{{std::sqrt(f * (t + p) / (t * (q + t))), std::sqrt(f * (t - p) / (t * (q + t))) * sgn},
+                    {std::sqrt(f * (t - p) / (t * (q - t))) * -sgn, std::sqrt(f * (t + p) / (t * (q - t)))}};
     return std::isfinite(axes.x.u + axes.x.v + axes.y.u + axes.y.v) ? axes : d;
 }
 
 /// How far rounding may carry a result computed in steps of `epsilon`: the area of two vectors is a difference of products, the
 /// direction of an ellipse's axes the quotient of two. Where an axis is much longer than the other, the literal formulas above
-/// lose digits of q - t, which is F / (q + t).
+/// lose digits of q - t, which is f / (q + t).
 struct Condition {
     long double of_area = 1;
     long double of_direction = 1;
     long double of_reference = 0;
 };
 Condition condition(const Pair& d) {
-    const long double A = square(d.x.v) + square(d.y.v);
-    const long double B = -2 * (d.x.u * d.x.v + d.y.u * d.y.v);
-    const long double C = square(d.x.u) + square(d.y.u);
-    return {length(d.x) * length(d.y) / area(d.x, d.y), (A + C) / std::hypot(A - C, B),
-            16 * square((A + C) / area(d.x, d.y)) * std::numeric_limits<long double>::epsilon()};
+    const long double a = square(d.x.v) + square(d.y.v);
+    const long double b = -2 * (d.x.u * d.x.v + d.y.u * d.y.v);
+    const long double c = square(d.x.u) + square(d.y.u);
+    return {length(d.x) * length(d.y) / area(d.x, d.y), (a + c) / std::hypot(a - c, b),
+            16 * square((a + c) / area(d.x, d.y)) * std::numeric_limits<long double>::epsilon()};
 }
 
 struct Anisotropy {
@@ -205,8 +205,7 @@ TEMPLATE_TEST_CASE("the new vectors are orthogonal and span the same ellipse", "
     oracle::Random random(2);
     for (int round = 0; round < 20000; ++round) {
         Pair d = random_pair<TestType>(random);
-        if (round % 4 == 0) d.y = {2 * d.x.u, -d.x.v / 2};  // B is 0 where |u v| agree: axes along u and v
-        if (round % 4 == 0) d.x.v = d.x.u, d.y = {2 * d.x.u, -d.x.u / 2};
+        if (round % 4 == 0) d = {{d.x.u, d.x.u}, {2 * d.x.u, -d.x.u / 2}};  // B is 0: axes along u and v
         const Condition c = condition(d);
         if (!(c.of_area < 1e4L)) continue;
         const auto real = [](long double x) { return TestType(static_cast<typename TestType::Scalar>(x)); };
@@ -277,7 +276,6 @@ TEST_CASE("derivatives scale by the size of the view's finest level", "[7.18.11]
     for (const int base : {0, 1, 3}) {
         const TextureView view(texture, base, 5 - base);
         const int width = 200 >> base;
-        const int height = 48 >> base;
         // 12 texels along u, 3 along v, in normalised coordinates.
         const std::vector<Pair> pairs{{{12, 0}, {0, 3}}};
         const LevelOfDetail<Double> lod = detail_of<Double>(pairs, view, sampler, profile);
@@ -285,7 +283,6 @@ TEST_CASE("derivatives scale by the size of the view's finest level", "[7.18.11]
         CHECK(lane(lod.lod, 0) == Approx(std::log2(3.0)).epsilon(1e-12));
         CHECK(lane(lod.major.x, 0) == Approx(12.0 / width).epsilon(1e-12));
         CHECK(lane(lod.major.y, 0) == 0.0);
-        CHECK(height > 0);
     }
 }
 
