@@ -8,6 +8,15 @@
 
 namespace gnomon {
 
+/// A float as a double, denormals included where the processor takes them for zeros (sim/denormals.h).
+inline double widened(float x) {
+    const auto bits = std::bit_cast<std::uint32_t>(x);
+    const std::uint32_t magnitude = bits & 0x7fffffffu;
+    if (magnitude >= 0x00800000u) return static_cast<double>(x);
+    const double tiny = static_cast<double>(magnitude) * 0x1p-149;
+    return bits == magnitude ? tiny : -tiny;
+}
+
 struct Double {
     using Scalar = double;
     std::array<double, kLanes> v;
@@ -18,7 +27,7 @@ struct Double {
     Double(int x) : Double(static_cast<double>(x)) {}
     explicit Double(Float x) {
         const auto in = x.lanes();
-        for (std::size_t i = 0; i < v.size(); ++i) v[i] = static_cast<double>(in[i]);
+        for (std::size_t i = 0; i < v.size(); ++i) v[i] = widened(in[i]);
     }
     explicit Double(Int x) {
         const auto in = x.lanes();

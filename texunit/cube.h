@@ -36,7 +36,7 @@ Value major_axis(Int face, const Vec3<Value>& v) {
 
 /// The face of the largest component; of equal ones z goes before y before x. D3D11.3 7.18.7
 template <class Real>
-CubeDirection<Real> face_of(const Vec3<Real>& direction) {
+[[gnu::noinline]] CubeDirection<Real> face_of(const Vec3<Real>& direction) {
     const Vec3<Real> size{abs(direction.x), abs(direction.y), abs(direction.z)};
     const Mask z = (size.z >= size.x) & (size.z >= size.y);
     const Mask y = size.y >= size.x;

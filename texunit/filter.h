@@ -84,12 +84,13 @@ template <std::size_t kCount, class Real>
 /// What `tap(byte_offset, outside)` returns for the texels of a footprint.
 template <std::size_t kCount, class Value, class Real, class Tap>
 GNOMON_INLINE Texels<kCount, Value> read_texels(const Footprint<Real>& f, CubeCorner corner_rule, const Tap& tap) {
-    Texels<kCount, Value> t;
-    t[0] = tap(f.offset[0], f.outside[0]);
-    if (!f.linear) return t;
-    t[1] = tap(f.offset[1], f.outside[1]);
-    t[2] = tap(f.offset[2], f.outside[2]);
-    t[3] = tap(f.offset[3], f.outside[3]);
+    if (!f.linear) {
+        Texels<kCount, Value> t;
+        t[0] = tap(f.offset[0], f.outside[0]);
+        return t;
+    }
+    Texels<kCount, Value> t{tap(f.offset[0], f.outside[0]), tap(f.offset[1], f.outside[1]), tap(f.offset[2], f.outside[2]),
+                            tap(f.offset[3], f.outside[3])};
     if constexpr (!std::is_same_v<Value, Int>) {
         if (f.has_corner) [[unlikely]]
             fill_corners(f, corner_rule, t);

@@ -16,7 +16,7 @@ struct LayerPosition {
 
 /// Slices round to nearest even and clamp, directions leave through a face. D3D11.3 22.4.15, 7.18.7
 template <class Real>
-LayerPosition<Real> locate_layer(const Texture& texture, const Vec3<Real>& coordinate) {
+GNOMON_INLINE LayerPosition<Real> locate_layer(const Texture& texture, const Vec3<Real>& coordinate) {
     switch (texture.desc().kind) {
         case TextureKind::Flat: return {{coordinate.x, coordinate.y}, Int(0)};
         case TextureKind::Array: {
@@ -43,7 +43,7 @@ struct Instruction {
 
 /// By format, sampler and profile. Mesa 22.3.6 lp_bld_sample_soa.c, lp_build_sample_soa_code (when 8-bit integers filter);
 /// SwiftShader SamplerCore.cpp, sampleTexture128 (when 16-bit integers are read)
-inline Instruction decide_instruction(const FormatInfo& format, const Sampler& sampler, const Profile& profile, bool compares,
+GNOMON_INLINE Instruction decide_instruction(const FormatInfo& format, const Sampler& sampler, const Profile& profile, bool compares,
                                       bool gathers) {
     Instruction result{.numbers = {.decode = profile.unorm_decode},
                        .blend = {.form = profile.bilinear_form, .carry = profile.texel_carry}};

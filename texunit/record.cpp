@@ -7,14 +7,8 @@ namespace gnomon {
 
 namespace {
 
-template <class Real>
-double number(const Real& value, int lane_of) {
-    return static_cast<double>(lane(value, lane_of));
-}
-template <class Real>
-Real every_lane(double value) {
-    return Real(static_cast<typename Real::Scalar>(value));
-}
+double number(Float value, int lane_of) { return widened(lane(value, lane_of)); }
+double number(const Double& value, int lane_of) { return lane(value, lane_of); }
 
 /// Copies what lane 0 goes through.
 class Recorder {
