@@ -4,7 +4,10 @@
 #include "sim/fixed.h"
 #include "sim/half.h"
 #include "sim/math.h"
+#include "sim/parallel.h"
 #include "techniques/frame.h"
+#include "texunit/mipmap.h"
+#include "texunit/record.h"
 
 #define XXH_INLINE_ALL
 #include <fmt/format.h>
@@ -66,6 +69,62 @@ void fingerprint_frame(const scenes::Scene& scene, std::string_view technique, c
     fmt::print("{}/counters{}\n", name, counts);
 }
 
+/// Numbers that follow from a seed alone.
+class Sequence {
+public:
+    explicit Sequence(std::uint32_t seed) : state_(seed) {}
+    std::uint32_t next() {
+        state_ = state_ * 1664525u + 1013904223u;
+        return state_ ^ state_ >> 15;
+    }
+    /// Mostly near 0, now and then far away, tiny, infinite or not a number.
+    double coordinate() {
+        const std::uint32_t kind = next() % 16;
+        const double unit = static_cast<double>(next()) * 0x1p-32;
+        if (kind == 0) return static_cast<double>(std::bit_cast<float>(next()));
+        return (unit - 0.5) * (kind < 8 ? 2.5 : kind < 14 ? 0.2 : 40.0);
+    }
+
+private:
+    std::uint32_t state_;
+};
+
+/// Every format through one filter of one profile: raw codes, the profile's own mips, hostile coordinates and gradients.
+void fingerprint_samples(const Profile& profile, std::string_view filter, const Sampler& sampler) {
+    Sequence sequence(77);
+    std::vector<double> results;
+    for (const FormatInfo& format : kFormats) {
+        const bool compares = filter == "compare";
+        if (format.is_integer() && filter != "nearest") continue;
+        Texture texture({.format = format.format, .width = 13, .height = 8, .levels = format.is_integer() ? 1 : 4});
+        std::vector<std::byte> codes(13 * 8 * static_cast<std::size_t>(format.bytes_per_texel));
+        for (std::byte& code : codes) code = static_cast<std::byte>(sequence.next());
+        if (format.is_depth)
+            for (std::size_t i = 3; i < codes.size(); i += 4)
+                codes[i] = static_cast<std::byte>(format.format == Format::D32Float ? 0x3e : 0);
+        texture.set_level_bytes(0, codes.data(), codes.size());
+        Workers workers(1);
+        if (!format.is_integer()) generate_mips(texture, profile, workers);
+        std::vector<SampleRequest> requests;
+        for (int i = 0; i < 512; ++i) {
+            SampleRequest request;
+            for (double& c : request.coordinate) c = sequence.coordinate();
+            request.gradient.emplace();
+            for (auto* vector : {&request.gradient->dx, &request.gradient->dy})
+                for (double& c : *vector) c = sequence.coordinate();
+            if (compares) request.reference = sequence.coordinate();
+            requests.push_back(request);
+        }
+        for (const SampleResult& result : sample_all(texture, sampler, profile, requests)) {
+            // Which NaN an operation makes is the processor's choice.
+            const auto keep = [&](double x) { results.push_back(x == x ? x : 2e300); };
+            keep(result.lod);
+            for (const double c : result.color) keep(c);
+        }
+    }
+    print_hash(fmt::format("sample/{}/{}", profile.name, filter), results.data(), results.size() * sizeof(double));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -79,6 +138,18 @@ int main(int argc, char** argv) {
     fingerprint_function("round", [](Float x) { return round(x); });
     fingerprint_function("half", [](Float x) { return float_from_half_bits(half_bits_from_float(x, Narrowing::NearestEven)); });
     fingerprint_function("unorm24", [](Float x) { return Float(unorm_from_float(x, 24)); });
+
+    for (const Profile& profile : profile_presets()) {
+        const auto wrap = AddressMode::Wrap;
+        const auto mirror = AddressMode::Mirror;
+        fingerprint_samples(profile, "nearest",
+                            {.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest, .mip = MipFilter::Nearest});
+        fingerprint_samples(profile, "bilinear", {.address_u = wrap, .address_v = AddressMode::Border});
+        fingerprint_samples(profile, "trilinear", {.mip = MipFilter::Linear, .address_u = mirror, .address_v = wrap});
+        fingerprint_samples(profile, "anisotropic",
+                            {.mip = MipFilter::Linear, .address_u = wrap, .address_v = mirror, .max_anisotropy = 16});
+        fingerprint_samples(profile, "compare", {.mip = MipFilter::Linear, .address_u = AddressMode::MirrorOnce});
+    }
 
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();

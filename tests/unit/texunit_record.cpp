@@ -171,7 +171,7 @@ std::array<double, 4> instruction(const Case& c, const Profile& profile, const S
     const DenormalScope denormals(profile.flush_denormals);
     const SampleOperands<Real> operands{.offset = r.offset, .lod_bias = Real(static_cast<Scalar>(r.lod_bias))};
     const LevelOfDetail<Real> lod = detail_of<Real>(c, profile, r);
-    const auto number = [](const Real& x) { return static_cast<double>(lane(x, kLanes - 1)); };
+    const auto number = [](const Real& x) { return lane(Double(x), kLanes - 1); };  // denormals stay, whatever the scope
     if (r.reference) {
         const double result = number(sample_compare(c.view(), c.sampler, profile, all_lanes<Real>(r.coordinate),
                                                     Real(static_cast<Scalar>(*r.reference)), lod, operands));
