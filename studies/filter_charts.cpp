@@ -375,10 +375,11 @@ Rgb amount_color(int step) {
 
 int probe_step(int probes) { return std::clamp(probes, 1, kAmountSteps) - 1; }
 
+int texel_limit(int step) { return (step % 2 == 0 ? 4 : 6) << (step / 2); }
+
 int texel_step(int texels) {
     int step = 0;
-    for (int limit = 4; step < kAmountSteps - 1 && texels > limit; ++step)
-        limit = step % 2 == 0 ? limit / 2 * 3 : limit / 3 * 4;
+    while (step < kAmountSteps - 1 && texels > texel_limit(step)) ++step;
     return step;
 }
 

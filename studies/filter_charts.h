@@ -101,7 +101,8 @@ Rgb amount_color(int step);
 
 /// Probes 1 to 16 are steps 0 to 15.
 int probe_step(int probes);
-/// At most 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512 texels are steps 0 to 14, more are step 15.
+/// The most texels of steps 0 to 14: 4, 6, 8, 12, 16, 24, ... 384, 512; step 15 is more.
+int texel_limit(int step);
 int texel_step(int texels);
 
 /// One chart on a page.

@@ -37,11 +37,7 @@ std::string legends(bool any_elliptical) {
     html += "</p>\n";
     if (!any_elliptical) return html;
     html += "<p>Texels (right) where the filter is elliptical, at most:";
-    int limit = 4;
-    for (int step = 0; step < kAmountSteps - 1; ++step) {
-        html += swatch(amount_color(step), std::to_string(limit));
-        limit = step % 2 == 0 ? limit / 2 * 3 : limit / 3 * 4;
-    }
+    for (int step = 0; step < kAmountSteps - 1; ++step) html += swatch(amount_color(step), std::to_string(texel_limit(step)));
     return html + swatch(amount_color(kAmountSteps - 1), "more") + "</p>\n";
 }
 
