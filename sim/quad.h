@@ -1,4 +1,4 @@
-// Derivatives over 2x2 quads. D3D11.3 22.5
+// Derivatives over 2x2 quads. D3D11.3 22.5.2, 22.5.4
 //
 // Coarse: one pair per quad, from its top row and its left column (the corner is the vendor's choice; top-left here).
 // Fine: each lane's own row and own column.

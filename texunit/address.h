@@ -34,7 +34,7 @@ struct TexelPosition {
     Real fraction;  // [0, 1), or [0, 1] where the profile carries into the weight; a multiple of 2^-bits unless exact
 };
 
-/// Fixed-point conversion at the profile's precision; NaN gives 0. D3D11.3 7.18.7, 7.18.8, 3.2.4.1
+/// Fixed-point conversion at the profile's precision; NaN gives 0. D3D11.3 7.18.7, 7.18.8, 3.2.4.1, 3.2.4.2
 template <class Real>
 GNOMON_INLINE TexelPosition<Real> to_texel(const Real& scaled, const Profile& profile) {
     const int bits = profile.texel_fraction_bits;

@@ -1,4 +1,4 @@
-// The eight comparisons. D3D11.3 17.9 (depth), 22.4.19 (sample_c)
+// The eight comparisons. D3D11.3 17.9 (depth), 7.18.15, 22.4.19 (sample_c)
 #pragma once
 
 #include "sim/lanes.h"

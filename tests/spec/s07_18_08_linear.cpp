@@ -55,7 +55,7 @@ TEST_CASE("weights round to nearest even, or truncate where the profile says so"
     }
 }
 
-TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.16]") {
+TEST_CASE("bilinear samples of every format against the oracle", "[7.18.8][7.18.16][19.1.3.3]") {
     // Bit-equal to the lerp form in fp32. Against the exact sum: three lerps, each with a rounded difference, product and sum
     // of values below 2, so at most 3 * 2^-23 each, of which the two inner ones are averaged: 6 * 2^-23 in all.
     for (const FormatInfo& info : kFormats) {

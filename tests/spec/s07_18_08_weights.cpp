@@ -32,7 +32,7 @@ double bound_of(BilinearForm form) {
 
 }  // namespace
 
-TEST_CASE("all 65536 pairs of weights over a texel cell sum to one and weight their texels", "[7.18.8]") {
+TEST_CASE("all 65536 pairs of weights over a texel cell sum to one and weight their texels", "[7.18.8][3.2.4.2]") {
     oracle::Random random(1);
     std::vector<float> values(16);
     for (float& value : values) value = random.in(-1.0f, 1.0f);
