@@ -104,7 +104,7 @@ inline constexpr std::array kEnumNames<CubeCorner>{EnumName{CubeCorner::ThreeTex
 /// The isotropic scale factor: texels per pixel from the two derivative vectors dX and dY, in texels of level 0.
 enum class LodRule {
     Longest,  // max(|dX|, |dY|). D3D11.3 7.18.11; Vulkan and OpenGL allow it
-    Box,      // the largest component of either: the lower bound of Vulkan 1.3 16.6.7 and OpenGL 4.6 8.14.1
+    Box,      // the largest component of either: the lower bound of Vulkan 1.3 (Scale Factor Operation) and OpenGL 4.6 8.14.1
     Area,     // sqrt(|dX x dY|). [Lefohn07] eq. 1
 };
 template <>
@@ -129,7 +129,7 @@ inline constexpr std::array kEnumNames<LodSharing>{EnumName{LodSharing::Quad, "q
 /// The level that nearest mip selection takes half-way between two.
 enum class MipTie {
     Up,    // the coarser: floor(lod + 1/2). D3D11.3 7.18.10
-    Down,  // the finer: ceil(lod + 1/2) - 1. Vulkan 1.3 16.6.8 (preferred)
+    Down,  // the finer: ceil(lod + 1/2) - 1. Vulkan 1.3 (Image Level(s) Selection) (preferred)
     Even,  // the even one
 };
 template <>
@@ -140,7 +140,7 @@ inline constexpr std::array kEnumNames<MipTie>{EnumName{MipTie::Up, "up"}, EnumN
 enum class AnisoRule {
     D3d11,        // ratio major^2 / |det|, level of detail from the minor axis. D3D11.3 7.18.11
     OpenGl,       // N = min(ceil(Pmax / Pmin), max), log2(Pmax / N). EXT_texture_filter_anisotropic
-    Vulkan,       // eta = min(Pmax / Pmin, max), log2(Pmax / eta). Vulkan 1.3 16.6.7
+    Vulkan,       // eta = min(Pmax / Pmin, max), log2(Pmax / eta). Vulkan 1.3 (Scale Factor Operation)
     Llvmpipe,     // an elliptic weighted average of nearest texels of one level, as Mesa 22.3.6 walks it
     SwiftShader,  // as SwiftShader computes it
 };
@@ -161,7 +161,8 @@ inline constexpr std::array kEnumNames<ProbeCount>{EnumName{ProbeCount::Ceil, "c
 
 /// Where the probes of an anisotropic filter lie.
 enum class ProbePlacement {
-    Interior,  // at i / (N + 1) - 1/2 of the major axis, i = 1..N. Vulkan 1.3 16.6.11, EXT_texture_filter_anisotropic
+    Interior,  // at i / (N + 1) - 1/2 of the major axis, i = 1..N. Vulkan 1.3 (Texel Anisotropic Filtering),
+               // EXT_texture_filter_anisotropic
     Centred,   // at (k + 1/2) / N - 1/2, k = 0..N-1
     Ewa,       // no line of probes: every texel in the ellipse, weighted by a Gaussian. [Heckbert89] 3.5.8
 };

@@ -78,7 +78,8 @@ Preset d3d11() {
     p.set(&P::ellipse_transform, true, Specified, "D3D11.3 7.18.11: ideal; isotropic filters do without, as it allows");
     p.set(&P::aniso_clamps_to_top, false, Specified, "D3D11.3 7.18.11: recommended since 2009");
     p.set(&P::probe_count, ProbeCount::Ceil, Assumed, "D3D11.3 leaves it open; EXT_texture_filter_anisotropic's example");
-    p.set(&P::probe_placement, ProbePlacement::Interior, Assumed, "D3D11.3 leaves it open; Vulkan 1.3 16.6.11's example");
+    p.set(&P::probe_placement, ProbePlacement::Interior, Assumed,
+          "D3D11.3 leaves it open; Vulkan 1.3 (Texel Anisotropic Filtering)'s example");
     p.set(&P::aniso_limits, AnisoLimits::Any, Specified, "D3D11.3 7.18.3");
     p.set(&P::mip_generation, MipGeneration::Box, Assumed, "D3D11.3 5.9.3.3.1 leaves it to the driver");
     return p;

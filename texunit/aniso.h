@@ -1,5 +1,5 @@
 // Anisotropic filtering: ratio, line and number of probes, and where on the line they lie. D3D11.3 7.18.11,
-// EXT_texture_filter_anisotropic, Vulkan 1.3 16.6.7 and 16.6.11
+// EXT_texture_filter_anisotropic, Vulkan 1.3 (Scale Factor Operation; Texel Anisotropic Filtering)
 #pragma once
 
 #include "texunit/lod.h"

@@ -43,8 +43,8 @@ struct Instruction {
 
 /// By format, sampler and profile. Mesa 22.3.6 lp_bld_sample_soa.c, lp_build_sample_soa_code (when 8-bit integers filter);
 /// SwiftShader SamplerCore.cpp, sampleTexture128 (when 16-bit integers are read)
-GNOMON_INLINE Instruction decide_instruction(const FormatInfo& format, const Sampler& sampler, const Profile& profile, bool compares,
-                                      bool gathers) {
+GNOMON_INLINE Instruction decide_instruction(const FormatInfo& format, const Sampler& sampler, const Profile& profile,
+                                             bool compares, bool gathers) {
     Instruction result{.numbers = {.decode = profile.unorm_decode},
                        .blend = {.form = profile.bilinear_form, .carry = profile.texel_carry}};
     const bool unorm8 = format.type == ComponentType::Unorm8;

@@ -408,7 +408,8 @@ TEMPLATE_TEST_CASE("OpenGL and Vulkan divide the longer vector", "[7.18.11]", Fl
             const long double slack = quotient * 8 * epsilon<TestType>();
             if (std::ceil(quotient - slack) != std::ceil(quotient + slack)) continue;  // rounding decides N
             // EXT_texture_filter_anisotropic: N = min(ceil(Pmax / Pmin), maxAniso), lambda = log2(Pmax / N).
-            // Vulkan 1.3 16.6.7: eta = min(rho_max / rho_min, maxAniso), N = ceil(eta), lambda = log2(rho_max / eta).
+            // Vulkan 1.3 (Scale Factor Operation): eta = min(rho_max / rho_min, maxAniso), N = ceil(eta), lambda = log2(rho_max
+            // / eta).
             const long double whole = std::min<long double>(std::ceil(quotient), sampler.max_anisotropy);
             const long double eta = std::min<long double>(quotient, sampler.max_anisotropy);
             const long double divisor = profile.aniso_rule == AnisoRule::OpenGl ? whole : eta;

@@ -171,8 +171,8 @@ Anisotropy swiftshader_anisotropy(double major, double area, int limit) {
     return {ratio, major / ratio};
 }
 
-/// EXT_texture_filter_anisotropic and Vulkan 1.3 16.6.7, before the ratio becomes whole. The clamp concerns the level of
-/// detail: neither lessens the number of probes.
+/// EXT_texture_filter_anisotropic and Vulkan 1.3 (Scale Factor Operation), before the ratio becomes whole. The clamp concerns
+/// the level of detail: neither lessens the number of probes.
 Anisotropy length_anisotropy(double major, double minor, int limit, bool clamps_to_top) {
     const double ratio = std::clamp(major / minor, 1.0, static_cast<double>(limit));
     return {ratio, clamps_to_top ? std::max(1.0, major / ratio) : major / ratio};
