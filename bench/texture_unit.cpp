@@ -52,9 +52,9 @@ std::vector<Workload> make_workloads() {
 std::vector<agree::Point> plane_points(bool steep) {
     std::vector<agree::Point> points;
     const auto uv = [&](int x, int y) {
-        const float distance = steep ? 1.0f / (0.06f + static_cast<float>(y) / 1400.0f) : 1.0f;
+        const float distance = steep ? 1.0f / (0.03f + static_cast<float>(y) / 2600.0f) : 1.0f;
         const float across = (static_cast<float>(x) - kSide / 2) / kSide;
-        const float along = steep ? distance * 0.18f : static_cast<float>(y) / kSide * 1.3f;
+        const float along = steep ? distance * 0.3f : static_cast<float>(y) / kSide * 1.3f;
         const float u = across * (steep ? distance * 0.11f : 1.3f);
         return std::pair{u * 0.96f + along * 0.28f, along * 0.96f - u * 0.28f};  // turned a little
     };

@@ -118,6 +118,7 @@ Preset nv40() {
     Preset p = d3d11();
     p.profile.name = "nv40";
     p.profile.summary = "GeForce 6800 class (2004): registers documented, filter arithmetic assumed";
+    p.set(&P::arithmetic, Arithmetic::Fp32, Assumed, "unknown; the shaders' binary32");
     p.set(&P::flush_denormals, true, Assumed, "unknown; its successors flush");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Assumed, "unknown; what most hardware does");
     p.set(&P::raster_subpixel_bits, 8, Assumed, "unknown; GL_SUBPIXEL_BITS is commonly 8");
@@ -135,14 +136,13 @@ Preset nv40() {
     p.set(&P::cube_corner, CubeCorner::ThreeTexels, Assumed, "not used: faces are filtered on their own");
     p.set(&P::lod_rule, LodRule::Longest, Assumed, kAsD3d);
     p.set(&P::log2_model, Log2Model::Exact, Assumed, "unknown");
-    p.set(&P::lod_fraction_bits, 8, Documented,
-          "nouveau nv30: bias is signed 5.8, limits are 4.8; the effective bits are unknown");
+    p.set(&P::lod_fraction_bits, 8, Assumed, "unknown; nouveau nv30: the bias register is signed 5.8, the limits are 4.8");
     p.set(&P::lod_rounding, FixedRounding::NearestEven, Assumed, kAsD3d);
     p.set(&P::mip_tie, MipTie::Up, Assumed, kAsD3d);
     p.set(&P::aniso_rule, AnisoRule::OpenGl, Assumed, "unknown; EXT_texture_filter_anisotropic is its maker's");
     p.set(&P::ellipse_transform, false, Assumed, "unknown; its extension's example does without");
     p.set(&P::aniso_clamps_to_top, true, Assumed, "unknown; Direct3D 10 class and before were allowed to");
-    p.set(&P::probe_count, ProbeCount::Steps, Documented, "nouveau nv30: the field for the limit has these values");
+    p.set(&P::probe_count, ProbeCount::Steps, Assumed, "unknown; nouveau nv30: the limits have these values");
     p.set(&P::probe_placement, ProbePlacement::Interior, Assumed, "unknown; EXT_texture_filter_anisotropic's example");
     p.set(&P::aniso_limits, AnisoLimits::Steps, Documented, "nouveau nv30: the field for the limit has these values");
     p.set(&P::mip_generation, MipGeneration::Box, Assumed, "unknown");
@@ -166,12 +166,11 @@ Preset g80() {
     p.set(&P::compare_reference, CompareReference::Quantised, Assumed, kAsD3d);
     p.set(&P::cube_edges, CubeEdges::Seamless, Assumed, kAsD3d);
     p.set(&P::cube_corner, CubeCorner::ThreeTexels, Assumed, kAsD3d);
-    p.set(&P::lod_fraction_bits, 8, Documented,
-          "nouveau nv50: bias is signed 5.8, limits are 4.8; the effective bits are unknown");
+    p.set(&P::lod_fraction_bits, 8, Assumed, "unknown; nouveau nv50: the bias register is signed 5.8, the limits are 4.8");
     p.set(&P::aniso_rule, AnisoRule::D3d11, Assumed, kAsD3d);
     p.set(&P::ellipse_transform, true, Assumed, "reviews found it nearly independent of the angle");
     p.set(&P::aniso_clamps_to_top, true, Assumed, "D3D11.3 7.18.11: part of the Direct3D 10 specification of its time");
-    p.set(&P::probe_count, ProbeCount::Steps, Documented, "nouveau nv50: the field for the limit has these values");
+    p.set(&P::probe_count, ProbeCount::Steps, Assumed, "unknown; nouveau nv50: the limits have these values");
     p.set(&P::aniso_limits, AnisoLimits::Steps, Documented, "nouveau nv50: the field for the limit has these values");
     return p;
 }
@@ -179,7 +178,7 @@ Preset g80() {
 Preset llvmpipe() {
     Preset p = d3d11();
     p.profile.name = "llvmpipe";
-    p.profile.summary = "Mesa 22.3.6 llvmpipe, bit for bit but for mixed min and mag filters";
+    p.profile.summary = "Mesa 22.3.6 llvmpipe, its 2D filters bit for bit";
     p.set(&P::arithmetic, Arithmetic::Fp32, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c");
     p.set(&P::flush_denormals, true, Documented, "Mesa 22.3.6 lp_rast.c; compute shaders keep denormals");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "Mesa 22.3.6 lp_bld_conv.c");
@@ -195,7 +194,9 @@ Preset llvmpipe() {
     p.set(&P::filters_float32, true, Documented, "Mesa 22.3.6 lp_screen.c");
     p.set(&P::border_precision, BorderPrecision::Float, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c");
     p.set(&P::compare_reference, CompareReference::Raw, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c: clamped, not quantised");
-    p.set(&P::lod_rule, LodRule::Longest, Documented, "Mesa 22.3.6 lp_bld_sample.c lp_build_rho");
+    p.set(&P::cube_edges, CubeEdges::Seamless, Assumed, "as the specification has it; not compared");
+    p.set(&P::cube_corner, CubeCorner::ThreeTexels, Assumed, "as the specification has it; not compared");
+    p.set(&P::lod_rule, LodRule::Longest, Documented, "Mesa 22.3.6 lp_bld_sample.c lp_build_rho; cubes not compared");
     p.set(&P::log2_model, Log2Model::Linear2, Documented, "Mesa 22.3.6 lp_bld_arit.c lp_build_fast_log2");
     p.set(&P::lod_fraction_bits, kExactBits, Documented, "Mesa 22.3.6 lp_bld_sample.c");
     p.set(&P::lod_rounding, FixedRounding::NearestEven, Documented, "not used: nothing is rounded");
@@ -203,6 +204,8 @@ Preset llvmpipe() {
     p.set(&P::mip_tie, MipTie::Even, Documented, "Mesa 22.3.6 lp_bld_sample.c; up where neither bias nor limits apply");
     p.set(&P::aniso_rule, AnisoRule::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c lp_build_sample_aniso");
     p.set(&P::ellipse_transform, false, Documented, "Mesa 22.3.6 lp_bld_sample.c lp_build_pmin");
+    p.set(&P::aniso_clamps_to_top, false, Documented, "Mesa 22.3.6 lp_bld_sample.c lp_build_pmin");
+    p.set(&P::aniso_limits, AnisoLimits::Any, Documented, "Mesa 22.3.6 lp_build_pmin: a limit above 1 bounds nothing");
     p.set(&P::probe_count, ProbeCount::Ceil, Documented, "not used: an ellipse is walked");
     p.set(&P::probe_placement, ProbePlacement::Ewa, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c lp_build_sample_aniso");
     p.set(&P::mip_generation, MipGeneration::Bilinear, Documented,
@@ -213,7 +216,7 @@ Preset llvmpipe() {
 Preset swiftshader() {
     Preset p = d3d11();
     p.profile.name = "swiftshader";
-    p.profile.summary = "SwiftShader as Chromium builds it, bit for bit in the texture unit";
+    p.profile.summary = "SwiftShader as Chromium builds it, its 2D filters bit for bit";
     p.set(&P::arithmetic, Arithmetic::Fp32, Documented, "SwiftShader SamplerCore.cpp: high precision filtering");
     p.set(&P::flush_denormals, true, Documented, "SwiftShader SwiftConfig.cpp");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "SwiftShader Half.hpp");
@@ -227,7 +230,9 @@ Preset swiftshader() {
     p.set(&P::filters_float32, true, Documented, "SwiftShader VkPhysicalDevice.cpp");
     p.set(&P::border_precision, BorderPrecision::Float, Documented, "SwiftShader SamplerCore.cpp replaceBorderTexel()");
     p.set(&P::compare_reference, CompareReference::Raw, Documented, "SwiftShader SamplerCore.cpp");
-    p.set(&P::lod_rule, LodRule::Longest, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
+    p.set(&P::cube_edges, CubeEdges::Seamless, Assumed, "as the specification has it; not compared");
+    p.set(&P::cube_corner, CubeCorner::ThreeTexels, Assumed, "as the specification has it; not compared");
+    p.set(&P::lod_rule, LodRule::Longest, Documented, "SwiftShader SamplerCore.cpp computeLod2D(); its cubes have another");
     p.set(&P::log2_model, Log2Model::Linear4, Documented, "SwiftShader SamplerCore.cpp log2sqrt()");
     p.set(&P::lod_fraction_bits, kExactBits, Documented, "SwiftShader SamplerCore.cpp");
     p.set(&P::lod_rounding, FixedRounding::NearestEven, Documented, "not used: nothing is rounded");
@@ -235,9 +240,11 @@ Preset swiftshader() {
     p.set(&P::mip_tie, MipTie::Even, Documented, "SwiftShader SamplerCore.cpp selectMipmap()");
     p.set(&P::aniso_rule, AnisoRule::SwiftShader, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
     p.set(&P::ellipse_transform, false, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
+    p.set(&P::aniso_clamps_to_top, false, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
+    p.set(&P::aniso_limits, AnisoLimits::Any, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
     p.set(&P::probe_count, ProbeCount::Round, Documented, "SwiftShader SamplerCore.cpp sampleAniso(): halves to even");
     p.set(&P::probe_placement, ProbePlacement::Centred, Documented, "SwiftShader SamplerCore.cpp sampleAniso()");
-    p.set(&P::mip_generation, MipGeneration::Bilinear, Documented, "Vulkan leaves it to blits; bilinear ones");
+    p.set(&P::mip_generation, MipGeneration::Bilinear, Assumed, "Vulkan leaves it to blits: bilinear ones");
     return p;
 }
 

@@ -16,9 +16,10 @@ struct Ellipse {
     Int first_u, last_u, first_v, last_v;  // texels, address mode not applied
 };
 
-/// Radius of the largest ellipse that is walked, texels of the level it is walked on: what 16 times a minor axis of two texels
-/// gives. Larger ones (a level of detail held down by bias, clamp or missing levels) shrink to it.
-inline constexpr float kEwaRadius = 32.0f;
+/// Radius of the largest ellipse that is walked, texels of the level it is walked on: four times what 16 times a minor axis of
+/// two texels gives. Larger ones (a level of detail held down by bias, clamp or missing levels) shrink to it, or would take
+/// seconds.
+inline constexpr float kEwaRadius = 128.0f;
 
 /// The ellipse with the derivative vectors as conjugate radii, widened by the texels' own reconstruction filter ("+ 1").
 /// Vectors in texels of the level. [Heckbert89] 3.5.8

@@ -159,14 +159,14 @@ GNOMON_INLINE std::array<Real, kCount> mix_levels(const std::array<Real, kCount>
 }
 
 /// The mean of probes one at a time: m + (x - m) / k keeps constants constant and stays between smallest and largest; where it
-/// is not finite, the sum over the count decides.
+/// is not finite (infinities meet, differences overflow), the sum of x / N decides.
 template <std::size_t kCount, class Real>
 class ProbeMean {
 public:
     explicit ProbeMean(Reduction reduction) : reduction_(reduction) {}
 
     /// Lanes not in `active` have had their last probe.
-    GNOMON_INLINE void add(const std::array<Real, kCount>& probe, Mask active) {
+    GNOMON_INLINE void add(const std::array<Real, kCount>& probe, const Real& weight, Mask active) {
         const Real share = Real(1.0f) / Real(static_cast<float>(++count_));
         for (std::size_t c = 0; c < kCount; ++c) {
             Real next = probe[c];
@@ -175,19 +175,19 @@ public:
                        : reduction_ == Reduction::Minimum ? min(mean_[c], probe[c])
                                                           : max(mean_[c], probe[c]);
                 mean_[c] = select(active, next, mean_[c]);
-                sum_[c] = select(active, sum_[c] + probe[c], sum_[c]);
+                sum_[c] = select(active, sum_[c] + probe[c] * weight, sum_[c]);
             } else {
                 mean_[c] = next;
-                sum_[c] = next;
+                sum_[c] = probe[c] * weight;
             }
         }
     }
-    [[nodiscard]] std::array<Real, kCount> mean(Int probes) const {
+    [[nodiscard]] std::array<Real, kCount> mean() const {
         if (reduction_ != Reduction::Average) return mean_;
         std::array<Real, kCount> result = mean_;
         for (std::size_t c = 0; c < kCount; ++c) {
             const Mask finite = abs(mean_[c]) < Real(std::numeric_limits<float>::infinity());
-            if (!all(finite)) result[c] = select(finite, mean_[c], sum_[c] / Real(probes));
+            if (!all(finite)) result[c] = select(finite, mean_[c], sum_[c]);
         }
         return result;
     }

@@ -39,6 +39,20 @@ Taps<Real> taps_of(Int x, int size_above, MipGeneration filter) {
     return {3, {first, first + Int(1), first + Int(2)}, {left, middle, right}};
 }
 
+/// The mean of up to three values: one of them plus weighted differences from it, so that constants stay what they are whatever
+/// the weights round to; where that is not finite, the weighted sum.
+template <class Real>
+Real weighted_mean(const std::array<Real, 3>& v, const Taps<Real>& taps) {
+    if (taps.count == 1) return v[0];
+    Real mean = v[0] + taps.weight[1] * (v[1] - v[0]);
+    Real sum = v[0] * taps.weight[0] + v[1] * taps.weight[1];
+    if (taps.count == 3) {
+        mean = v[1] + (taps.weight[0] * (v[0] - v[1]) + taps.weight[2] * (v[2] - v[1]));
+        sum = sum + v[2] * taps.weight[2];
+    }
+    return select(mean - mean == Real(0.0f), mean, sum);
+}
+
 /// One wave of texels of `level`, starting at (x, y).
 template <class AnyCodec, class Real>
 void reduce_wave(Texture& texture, int layer, int level, int x, int y, const Profile& profile) {
@@ -50,25 +64,20 @@ void reduce_wave(Texture& texture, int layer, int level, int x, int y, const Pro
     const Int origin(texture.table().offset[l] + layer * texture.layer_stride());
     const Int pitch(texture.table().pitch[l]);
 
-    // Weighted sums along each column of texels, then across the columns.
-    std::array<Real, AnyCodec::kComponents> sum;
-    for (int i = 0; i < across.count; ++i) {
-        const auto ix = static_cast<std::size_t>(i);
-        std::array<Real, AnyCodec::kComponents> column_sum;
-        for (int j = 0; j < down.count; ++j) {
-            const auto jx = static_cast<std::size_t>(j);
-            const Int offset = origin + down.index[jx] * pitch + across.index[ix] * Int(AnyCodec::kBytes);
+    // Means along each column of texels, then across the columns.
+    constexpr std::size_t kCount = AnyCodec::kComponents;
+    std::array<std::array<Real, 3>, kCount> columns;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(across.count); ++i) {
+        std::array<std::array<Real, 3>, kCount> texels;
+        for (std::size_t j = 0; j < static_cast<std::size_t>(down.count); ++j) {
+            const Int offset = origin + down.index[j] * pitch + across.index[i] * Int(AnyCodec::kBytes);
             const auto texel = AnyCodec::template decode<Real>(AnyCodec::load(texture.data(), offset));
-            for (std::size_t c = 0; c < texel.size(); ++c) {
-                const Real term = texel[c] * down.weight[jx];
-                column_sum[c] = j == 0 ? term : column_sum[c] + term;
-            }
+            for (std::size_t c = 0; c < kCount; ++c) texels[c][j] = texel[c];
         }
-        for (std::size_t c = 0; c < sum.size(); ++c) {
-            const Real term = column_sum[c] * across.weight[ix];
-            sum[c] = i == 0 ? term : sum[c] + term;
-        }
+        for (std::size_t c = 0; c < kCount; ++c) columns[c][i] = weighted_mean(texels[c], down);
     }
+    std::array<Real, kCount> sum;
+    for (std::size_t c = 0; c < kCount; ++c) sum[c] = weighted_mean(columns[c], across);
 
     const int count = std::min(kLanes, texture.width(level) - x);
     store_row<AnyCodec>(texture.row(level, y, layer) + x * AnyCodec::kBytes, AnyCodec::encode(sum, profile.float_narrowing),

@@ -94,11 +94,12 @@ LlvmpipeEllipse::LlvmpipeEllipse(const Vec2<Float>& coordinate, const Vec2<Float
     c_ = c * table_scale;
     const Float u = coordinate.x * (w * scale) - Float(0.5f);
     const Float v = coordinate.y * (h * scale) - Float(0.5f);
-    const auto up = [](Float x) { return Int(0) - truncate_to_int(floor(-x)); };
-    first_u_ = truncate_to_int(floor(u - half_width));
-    last_u_ = up(u + half_width);
-    first_v_ = truncate_to_int(floor(v - half_height));
-    last_v_ = up(v + half_height);
+    // Within +-2^30, so that indices can be counted on from there; texels that far away are not told apart anyway.
+    const auto limited = [](Float x) { return bounded_truncate_to_int(clamp(x, Float(-0x1p30f), Float(0x1p30f))); };
+    first_u_ = limited(floor(u - half_width));
+    last_u_ = limited(-floor(-(u + half_width)));
+    first_v_ = limited(floor(v - half_height));
+    last_v_ = limited(-floor(-(v + half_height)));
     center_v_ = v;
     du_ = Float(first_u_) - u;
     step_ = ((du_ + du_) + one) * a_;

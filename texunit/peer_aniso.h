@@ -23,26 +23,27 @@ public:
     /// DEVIATION(Mesa 22.3.6): a box is cut at 1024 texels a side. The renderer walks on, for hours where a derivative is huge.
     template <class Visit>
     void for_each(const Visit& visit) const {
-        Int v = first_v_;
-        for (int row = 0; row < kLongest && any(v <= last_v_); ++row) {
+        const Int last_column = last_step(first_u_, last_u_);
+        const Int last_row = last_step(first_v_, last_v_);
+        for (int row = 0; any(Int(row) <= last_row); ++row) {
+            const Int v = first_v_ + Int(row);
             const Float dv = Float(v) - center_v_;
             Float dq = dv * b_ + step_;
             Float q = ((c_ * dv + b_ * du_) * dv) + start_;
-            Int u = first_u_;
-            for (int column = 0; column < kLongest && any(u <= last_u_); ++column) {
-                const Float weight = weight_of(q, (u <= last_u_) & (v <= last_v_));
-                if (any(weight != Float(0.0f))) visit(u, v, weight);
+            for (int column = 0; any(Int(column) <= last_column); ++column) {
+                const Float weight = weight_of(q, (Int(column) <= last_column) & (Int(row) <= last_row));
+                if (any(weight != Float(0.0f))) visit(first_u_ + Int(column), v, weight);
                 q = q + dq;
                 dq = dq + (a_ + a_);
-                u = u + Int(1);
             }
-            v = v + Int(1);
         }
     }
 
 private:
     static constexpr int kLongest = 1024;
     static Float weight_of(Float q, Mask inside);
+    /// Index of the last texel of a box of one axis, -1 where there is none.
+    static Int last_step(Int first, Int last) { return select(last < first, Int(-1), min(last - first, Int(kLongest - 1))); }
 
     Float a_, b_, c_;
     Float center_v_, du_, step_, start_;

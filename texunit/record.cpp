@@ -68,6 +68,11 @@ public:
     void end_ellipse(const std::array<Value, kCount>& result, const Real& total) {
         if (!in_level_) return;
         LevelRecord& level = record_.probes.back().levels.back();
+        if (level.taps.empty()) {  // nothing under the ellipse: the core takes another filter
+            record_.probes.back().levels.pop_back();
+            in_level_ = false;
+            return;
+        }
         for (TapRecord& tap : level.taps) tap.weight /= number(total, 0);
         for (std::size_t c = 0; c < kCount; ++c) level.sum[c] = number(result[c], 0);
     }
@@ -212,6 +217,8 @@ SampleRecord record(const TextureView& view, const Sampler& sampler, const Profi
             compare_observed(view, sampler, profile, lanes.coordinate(), lanes.reference(), lod, lanes.operands(), recorder);
         result.result.fill(number(value, 0));
     } else {
+        const Instruction how = decide_instruction(view.texture().info(), sampler, profile, false, false);
+        if (how.numbers.code_scale != 0.0f) result.scale = static_cast<double>(1.0f / how.numbers.largest);
         result.result =
             colour(sample_observed<4>(view, sampler, profile, lanes.coordinate(), lod, lanes.operands(), recorder), 0);
         if (view.texture().info().is_integer())

@@ -18,13 +18,16 @@
 
 namespace gnomon {
 
+/// Per pixel, in the units of the coordinate; the third counts for cubes only.
+struct SampleGradient {
+    std::array<double, 3> dx{};
+    std::array<double, 3> dy{};
+};
+
 /// One sample instruction of one lane. Numbers are taken to the profile's arithmetic first.
 struct SampleRequest {
     std::array<double, 3> coordinate{};  // u, v, slice of an array; or the direction into a cube
-    struct Gradient {
-        std::array<double, 3> dx{};  // per pixel, in the units of the coordinate; the third counts for cubes only
-        std::array<double, 3> dy{};
-    };
+    using Gradient = SampleGradient;
     std::optional<Gradient> gradient{};  // sample_d, D3D11.3 22.4.17; without it sample_l at `lod`, 22.4.18
     double lod = 0;
     double lod_bias = 0;                // of the instruction, sample_b. D3D11.3 22.4.16
@@ -68,6 +71,8 @@ struct SampleRecord {
     bool magnified = false;  // clamped_lod <= 0: the mag filter
     double ratio = 1;        // of anisotropy, after its limit
     std::vector<ProbeRecord> probes;
+    double scale =
+        1;  // of the sums: formats filtered as codes are scaled to numbers at the end (UnormDecode::Late, UnormFilter)
     std::array<double, 4> result{};  // components the format lacks are 0, alpha 1; comparisons repeat theirs
 };
 

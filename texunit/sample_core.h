@@ -65,6 +65,7 @@ public:
         const bool lod_decides = sampler.mip != MipFilter::Base || sampler.min != sampler.mag;
         if (lod_decides || lod.anisotropic || Observer::kWatches) {
             pair = select_levels(lod.lod, bias, sampler, lookup_.view, lookup_.profile);
+            if (blend_.rounds_to_codes) pair.fraction = floor(pair.fraction * Real(256.0f)) * Real(1.0f / 256.0f);
             observer_.begin(lod, pair);
         }
         if constexpr (kIsNumber)
@@ -194,9 +195,9 @@ private:
         for (int k = 0; any(active); active = Int(++k) < lod.probes) {
             const Real t = probe_position<Real>(k, lod.probes, lookup_.profile.probe_placement);
             const Vec2<Real> at{coordinate.x + lod.major.x * t, coordinate.y + lod.major.y * t};
-            mean.add(probe(at, weight, active, pair), active);
+            mean.add(probe(at, weight, active, pair), weight, active);
         }
-        return mean.mean(lod.probes);
+        return mean.mean();
     }
 
     /// A Gaussian over the ellipse on each of the two levels; a magnified pixel gets its mag filter. [Heckbert89] 3.5.8
@@ -302,28 +303,28 @@ private:
                                       {to_float(lod.minor.x), to_float(lod.minor.y)}, view.width(), view.height(), level);
         const Reduction reduction = lookup_.sampler.reduction;
         Result sum{};
-        Float total(0.0f);
+        Real total(0.0f);
         ellipse.for_each([&](Int u, Int v, Float weight) {
             const Mask counts = weight != Float(0.0f);
             const Vec2<Real> at{Real(Float(u) / Float(place.width)), Real(Float(v) / Float(place.height))};
             const Footprint<Real> footprint = make_footprint(lookup_, place, prepared(at), false);
             const auto texel = tap_(footprint.offset[0], footprint.outside[0]);
-            const Mask first = counts & (total == Float(0.0f));
+            const Mask first = counts & (total == Real(0.0f));
             for (std::size_t c = 0; c < kCount; ++c) {
                 const Real next = reduction == Reduction::Average   ? sum[c] + texel[c] * Real(weight)
                                   : reduction == Reduction::Minimum ? select(first, texel[c], min(sum[c], texel[c]))
                                                                     : select(first, texel[c], max(sum[c], texel[c]));
                 sum[c] = select(counts, next, sum[c]);
             }
-            total = total + weight;
+            total = total + Real(weight);
             observer_.ellipse_texel(footprint.offset[0], footprint.outside[0], texel, Real(weight), counts);
         });
         Result result;
-        for (std::size_t c = 0; c < kCount; ++c) result[c] = reduction == Reduction::Average ? sum[c] / Real(total) : sum[c];
+        for (std::size_t c = 0; c < kCount; ++c) result[c] = reduction == Reduction::Average ? sum[c] / total : sum[c];
 
         // An ellipse without texels: bilinear.
-        const Mask found = (total < Float(0.0f)) | (total > Float(0.0f));
-        observer_.end_ellipse(result, Real(total));
+        const Mask found = (total < Real(0.0f)) | (total > Real(0.0f));
+        observer_.end_ellipse(result, total);
         if (!all(found)) {
             const Result bilinear = filter_lanes(stored, place, Real(1.0f), !found, prepared(coordinate), TexelFilter::Linear);
             for (std::size_t c = 0; c < kCount; ++c) result[c] = select(found, result[c], bilinear[c]);

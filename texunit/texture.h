@@ -13,9 +13,9 @@
 
 namespace gnomon {
 
-inline constexpr int kMaxTextureSize = 16384;  // D3D11.3 21.2 (resource limits)
+inline constexpr int kMaxTextureSize = 16384;  // D3D11.3 21
 inline constexpr int kMaxLevels = 15;          // of a 16384 texel side
-inline constexpr int kMaxLayers = 2048;        // D3D11.3 21.2
+inline constexpr int kMaxLayers = 2048;        // D3D11.3 21
 static_assert(kMaxTextureSize == 1 << (kMaxLevels - 1));
 
 enum class TextureKind {
@@ -47,7 +47,7 @@ constexpr int full_level_count(int width, int height) {
     return levels;
 }
 
-/// Side of a level: halved and rounded down, at least 1. D3D11.3 5.7
+/// Side of a level: halved and rounded down, at least 1.
 constexpr int level_size(int size, int level) { return size >> level > 1 ? size >> level : 1; }
 
 /// Where each level lies: the tables that lanes on different levels gather from.

@@ -133,7 +133,9 @@ void convert(const ConvertOptions& options) {
     std::string out;
     for (const InputLine& line : read_lines()) {
         const std::uint64_t code = encode(read_value(line, from), to, narrowing);
-        out += fmt::format("0x{:0{}x} {:a}\n", code, (code_bits(to) + 3) / 4, decode(code, to));
+        const double value = decode(code, to);
+        out +=
+            fmt::format("0x{:0{}x} {}\n", code, (code_bits(to) + 3) / 4, value == value ? fmt::format("{:a}", value) : "nan");
     }
     fmt::print("{}", out);
 }

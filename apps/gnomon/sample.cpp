@@ -14,6 +14,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace gnomon::cli {
 
@@ -101,6 +102,12 @@ std::vector<studies::ColorImage> source_levels(const SampleOptions& options) {
 
 Texture make_texture(const SampleOptions& options, const Profile& profile) {
     const auto format = enum_from_name<Format>(options.format, "--format");
+    for (const auto& [size, option] : {std::pair{options.checker, "--checker"}, std::pair{options.ramp, "--ramp"}}) {
+        if (size.empty()) continue;
+        const auto [width, height] = parse_size(size, option);  // before a picture of that size is made
+        if (std::int64_t{width} * height * format_info(format).bytes_per_texel > std::numeric_limits<std::int32_t>::max())
+            fail("{} {}: larger than 2 GiB in {}", option, size, options.format);
+    }
     const std::vector<studies::ColorImage> levels = source_levels(options);
     const int width = levels.front().width;
     const int height = levels.front().height;
@@ -162,6 +169,9 @@ SampleRequest request_of(const InputLine& line, bool compares) {
     return request;
 }
 
+/// A C hexadecimal float; which sign a NaN has is the processor's choice.
+std::string text_of(double value) { return value == value ? fmt::format("{:a}", value) : "nan"; }
+
 /// JSON has no infinities and no NaN: they go as text.
 Json json_of(double value) {
     if (std::isfinite(value)) return value;
@@ -199,18 +209,20 @@ Json json_of(const SampleRecord& record) {
                           {"levels", std::move(levels)},
                           {"sum", json_of(probe.sum)}});
     }
-    return {{"lod", json_of(record.lod)},    {"clamped_lod", json_of(record.clamped_lod)},
-            {"magnified", record.magnified}, {"ratio", json_of(record.ratio)},
-            {"probes", std::move(probes)},   {"result", json_of(record.result)}};
+    return {{"lod", json_of(record.lod)},      {"clamped_lod", json_of(record.clamped_lod)},
+            {"magnified", record.magnified},   {"ratio", json_of(record.ratio)},
+            {"probes", std::move(probes)},     {"scale", record.scale},
+            {"result", json_of(record.result)}};
 }
 
 void sample(const SampleOptions& options) {
     const Profile profile = load_profile(options.profile);
     const Sampler sampler = make_sampler(options);
     const std::vector<float> offset = parse_numbers(options.offset, "--offset", 2);
-    const glm::ivec2 texels(static_cast<int>(offset[0]), static_cast<int>(offset[1]));
-    if (static_cast<float>(texels.x) != offset[0] || static_cast<float>(texels.y) != offset[1])
+    const auto is_offset = [](float x) { return x >= -8.0f && x <= 7.0f && x == std::floor(x); };
+    if (!is_offset(offset[0]) || !is_offset(offset[1]))
         fail("--offset {}: expected two whole numbers from -8 to 7", options.offset);
+    const glm::ivec2 texels(static_cast<int>(offset[0]), static_cast<int>(offset[1]));
     const Texture texture = make_texture(options, profile);
 
     // Every line first: bad input leaves nothing half written.
@@ -220,10 +232,8 @@ void sample(const SampleOptions& options) {
         requests.back().offset = texels;
     }
     if (options.footprint) {
-        std::string out;
         for (const SampleRequest& request : requests)
-            out += json_of(record_sample(texture, sampler, profile, request)).dump() + '\n';
-        fmt::print("{}", out);
+            fmt::print("{}\n", json_of(record_sample(texture, sampler, profile, request)).dump());
         return;
     }
     constexpr std::size_t kBatch = 65536;
@@ -231,8 +241,8 @@ void sample(const SampleOptions& options) {
         const auto batch = std::span(requests).subspan(first, std::min(kBatch, requests.size() - first));
         std::string out;
         for (const SampleResult& result : sample_all(texture, sampler, profile, batch))
-            out += fmt::format("{:a} {:a} {:a} {:a} {:a}\n", result.lod, result.color[0], result.color[1], result.color[2],
-                               result.color[3]);
+            out += fmt::format("{} {} {} {} {}\n", text_of(result.lod), text_of(result.color[0]), text_of(result.color[1]),
+                               text_of(result.color[2]), text_of(result.color[3]));
         fmt::print("{}", out);
     }
 }

@@ -304,8 +304,8 @@ TEST_CASE("profile d3d11 differs from the drivers by what 8-bit weights explain"
     }
 }
 
-/// Coordinates, gradients and levels that no scene should have: where the bits differ, both must at least be no number, or the
-/// profile's rule for what is not finite must say why.
+/// Coordinates, gradients and levels that no scene should have. Where the bits differ, the drivers read texels that integer
+/// overflow and NaN led them to, or let a level of weight 0 leak its NaN; nearly all must still agree.
 TEST_CASE("hostile coordinates on the drivers", "[agree]") {
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -1,5 +1,5 @@
 // The gnomon program as its user meets it: what it writes, what it refuses and how.
-#include "tests/unit/scenes_files.h"
+#include "tests/unit/cli_run.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -13,36 +13,9 @@
 #include <set>
 
 using namespace gnomon;
-using gnomon::test::TemporaryFolder;
+using namespace gnomon::test;
 
 namespace {
-
-struct Outcome {
-    int code = 0;
-    std::string out;
-    std::string err;
-};
-
-std::string text_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-/// Runs gnomon with arguments as a shell has them.
-Outcome gnomon_run(const TemporaryFolder& folder, const std::string& arguments) {
-    const auto out = folder.path() / "stdout.txt";
-    const auto err = folder.path() / "stderr.txt";
-    const std::string command = fmt::format("cd '{}' && '{}' {} >'{}' 2>'{}'", folder.path().string(), GNOMON_CLI_PATH,
-                                            arguments, out.string(), err.string());
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(out), text_of(err)};
-}
-
-std::set<std::string> files_in(const std::filesystem::path& path) {
-    std::set<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(path)) names.insert(entry.path().filename().string());
-    return names;
-}
 
 const std::set<std::string> kResultFiles{"color.png",   "difference.png", "reference.exr", "reference.png",
                                          "report.json", "visibility.exr", "visibility.png"};
