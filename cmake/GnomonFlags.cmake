@@ -31,6 +31,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-Wno-psabi -Wno-maybe-uninitialized -Wno-uninitialized -Wno-ignored-attributes)
 endif()
 
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    # Lane values are 64 bytes on AVX-512: copied in halves they would stall the loads of the whole.
+    add_compile_options(-mprefer-vector-width=512 -mmove-max=512 -mstore-max=512)
+endif()
+
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     # clang 19 spells out AVX10 for -march=native on newer processors and then warns about its own spelling.
     add_compile_options(-Wno-invalid-feature-combination)

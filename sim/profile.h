@@ -97,7 +97,7 @@ struct Profile {
 /// How sure a field of a preset is.
 enum class Certainty {
     Specified,   // a specification says so
-    Documented,  // its maker says so, in documentation or in published source
+    Documented,  // documentation or published source says so, its maker's or a driver's
     Measured,    // somebody measured it
     Assumed,     // nobody outside knows; the choice is ours
 };

@@ -160,7 +160,7 @@ Preset g80() {
     p.set(&P::texel_fraction_bits, 8, Documented, "CUDA C++ Programming Guide 19.2: 1.8 weights");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Measured,
           "forums.developer.nvidia.com/t/tex1d-accuracy/6801: nearest; which way ties go is assumed");
-    p.set(&P::texel_carry, TexelCarry::Weight, Documented, "CUDA C++ Programming Guide 19.2: a weight of 1 is representable");
+    p.set(&P::texel_carry, TexelCarry::Weight, Assumed, "CUDA C++ Programming Guide 19.2: a weight of 1 is representable");
     p.set(&P::filters_float32, true, Measured, "published reviews of 2006");
     p.set(&P::border_precision, BorderPrecision::Float, Documented, "nouveau nv50: the border colour is four floats");
     p.set(&P::compare_reference, CompareReference::Quantised, Assumed, kAsD3d);

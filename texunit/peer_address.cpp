@@ -6,10 +6,6 @@ namespace {
 
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
-/// x86 minps and maxps: with a NaN, or equal operands, the second.
-Float min_second(Float a, Float b) { return select(a < b, a, b); }
-Float max_second(Float a, Float b) { return select(a > b, a, b); }
-
 /// x86 cvttps2dq and cvtps2dq: what does not fit, NaN included, becomes the lowest integer.
 Int truncate_or_lowest(Float x) {
     const Mask fits = (x >= Float(-0x1p31f)) & (x < Float(0x1p31f));

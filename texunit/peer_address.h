@@ -6,6 +6,10 @@
 
 namespace gnomon {
 
+/// x86 minps and maxps: with a NaN, or equal operands, the second.
+inline Float min_second(Float a, Float b) { return select(a < b, a, b); }
+inline Float max_second(Float a, Float b) { return select(a > b, a, b); }
+
 /// One axis of a level, as these renderers look at it.
 struct PeerAxis {
     Int size;                // of the level, texels

@@ -1,16 +1,13 @@
 #include "texunit/peer_aniso.h"
 
 #include "sim/scalar_math.h"
+#include "texunit/peer_address.h"
 
 #include <cmath>
 
 namespace gnomon {
 
 namespace {
-
-/// x86 minps and maxps: with a NaN, or equal operands, the second.
-Float min_second(Float a, Float b) { return select(a < b, a, b); }
-Float max_second(Float a, Float b) { return select(a > b, a, b); }
 
 constexpr int kTableSize = 1024;
 

@@ -22,12 +22,12 @@ struct SampleOperands {
 
 /// Filtered texel at normalised coordinates (u, v, slice of an array) or in a direction of a cube. `lod` comes from
 /// level_of_detail, or is the shader's own before bias and clamp. Formats of unsigned integers are read as numbers, unfiltered.
-/// D3D11.3 22.4.15 to 22.4.18
+/// D3D11.3 22.4.15, 22.4.16, 22.4.17, 22.4.18
 template <class Real>
 Vec4<Real> sample(const TextureView& view, const Sampler& sampler, const Profile& profile, const Vec3<Real>& coordinate,
                   const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands = {});
 
-/// Filtered result of `reference OP red`, 0 or 1 per texel. D3D11.3 22.4.19
+/// Filtered result of `reference OP red`, 0 or 1 per texel. D3D11.3 22.4.19, at level 0 22.4.20
 template <class Real>
 Real sample_compare(const TextureView& view, const Sampler& sampler, const Profile& profile, const Vec3<Real>& coordinate,
                     const Real& reference, const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands = {});
@@ -43,7 +43,8 @@ template <class Real>
 Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const Profile& profile, const Vec3<Real>& coordinate,
                           const Real& reference, const glm::ivec2& offset = {0, 0});
 
-/// One texel of one level of a layer, unfiltered; coordinates outside the level read as 0. D3D11.3 22.4.6 (ld)
+/// One texel of one level of a layer, unfiltered; outside the level components read as 0, missing ones as their default.
+/// D3D11.3 22.4.6 (ld)
 template <class Real>
 Vec4<Real> load_texel(const Texture& texture, Int x, Int y, int level, int layer = 0);
 

@@ -341,7 +341,7 @@ private:
     }
 
     const Lookup& lookup_;
-    const Blend blend_;
+    const Blend& blend_;
     const Tap& tap_;
     Observer& observer_;
 };

@@ -71,7 +71,7 @@ private:
     }
 
     const std::byte* base_;
-    NumberRule rule_;
+    const NumberRule& rule_;
     bool has_border_;
     Texel border_;
 };

@@ -68,7 +68,8 @@ SampleCost sample_cost(const TextureView& view, const Sampler& sampler, const Pr
     const Lookup lookup{view, effective, profile, operands.offset, at.layer};
     const NoTap<Real> tap;
     CountingObserver observer{.active = active};
-    SampleCore<1, Real, Real, NoTap<Real>, CountingObserver> core(lookup, Blend{}, tap, observer);
+    const Blend blend;
+    SampleCore<1, Real, Real, NoTap<Real>, CountingObserver> core(lookup, blend, tap, observer);
     (void)core.sample(at.uv, lod, operands.lod_bias);
     return observer.cost;
 }
@@ -155,9 +156,9 @@ Vec4<Real> load_texel(const Texture& texture, Int x, Int y, int level, int layer
     const Int offset = place.offset + Int(layer * texture.layer_stride()) + within;
     return with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
         const Vec4<Real> color = expand(AnyCodec::template decode<Real>(AnyCodec::load(texture.data(), offset)));
-        const Real zero(0.0f);
-        return Vec4<Real>{select(inside, color.x, zero), select(inside, color.y, zero), select(inside, color.z, zero),
-                          select(inside, color.w, zero)};
+        const Vec4<Real> nothing = out_of_bounds<Real>(texture.info());
+        return Vec4<Real>{select(inside, color.x, nothing.x), select(inside, color.y, nothing.y),
+                          select(inside, color.z, nothing.z), select(inside, color.w, nothing.w)};
     });
 }
 

@@ -74,7 +74,7 @@ TEST_CASE("all 65536 pairs of weights over a texel cell sum to one and weight th
     }
 }
 
-TEST_CASE("weights of 1 to 8 bits round and carry as the profile says", "[7.18.8][3.2.4.1]") {
+TEST_CASE("weights of 1 to 8 bits round and carry as the profile says", "[7.18.8][3.2.4.1][7.18.16.1]") {
     // Texels 0, 1, 2, 3 at positions of 1/4096 texel; an integer ramp makes every result exact: texel + weight.
     const Texture texture = texture_of_floats(4, 1, {0.0f, 1.0f, 2.0f, 3.0f});
     int carries = 0;

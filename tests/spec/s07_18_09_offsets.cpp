@@ -193,7 +193,7 @@ TEST_CASE("offsets also move comparisons and codes", "[22.4.15][22.4.19]") {
     }
 }
 
-TEMPLATE_TEST_CASE("slices round to nearest even and clamp to the array", "[22.4.15]", Float, Double) {
+TEMPLATE_TEST_CASE("slices round to nearest even and clamp to the array", "[22.4.15][5.3.6]", Float, Double) {
     using Scalar = typename TestType::Scalar;
     for (const int layers : {1, 2, 5, 300}) {
         Texture texture(

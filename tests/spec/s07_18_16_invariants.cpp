@@ -2,6 +2,7 @@
 #include "tests/oracle/random.h"
 #include "tests/unit/texunit_calls.h"
 #include "texunit/mipmap.h"
+#include "texunit/record.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -31,7 +32,7 @@ std::uint32_t finite_code(Format format, oracle::Random& random, int component) 
 
 }  // namespace
 
-TEST_CASE("filtered values lie between the smallest and largest texel", "[7.18.16]") {
+TEST_CASE("filtered values lie between the smallest and largest texel", "[7.18.16][7.18.16.3]") {
     for (const FormatInfo& info : kFormats) {
         if (info.is_integer()) continue;
         oracle::Random random(static_cast<std::uint64_t>(info.format) + 100);
@@ -177,7 +178,7 @@ TEST_CASE("point sampling yields the texel's bits", "[7.18.16]") {
     for (std::size_t i = 0; i < codes.size(); ++i) REQUIRE(std::bit_cast<std::uint32_t>(got[i][0]) == codes[i]);
 }
 
-TEST_CASE("constant textures of infinities stay infinite", "[7.18.16]") {
+TEST_CASE("constant textures of infinities stay infinite", "[7.18.16][7.18.16.2]") {
     // "Filtering a constant-color texture always yields that color": a float format may hold infinity in every texel
     // (moments that overflow fp16 do), and a + w (b - a) would make NaN of it.
     const std::uint32_t inf = 0x7c00;
@@ -186,4 +187,46 @@ TEST_CASE("constant textures of infinities stay infinite", "[7.18.16]") {
     const auto got = sample_all(texture, Sampler{}, Profile{}, std::vector<Coordinate>{{0.5f, 0.5f}, {0.4f, 0.3f}});
     CHECK(got[0][0] == HUGE_VALF);
     CHECK(got[1][0] == HUGE_VALF);
+}
+
+TEST_CASE("mips, probes and ellipses keep constants and the range of the texels, for every profile", "[7.18.16][7.18.16.3]") {
+    // Odd sizes, whose mip weights do not round to a sum of 1; the largest numbers, whose differences overflow.
+    oracle::Random random(16);
+    for (const Profile& profile : profile_presets()) {
+        if (profile.address_arithmetic != AddressArithmetic::FixedPoint) continue;  // these make no such promise
+        for (const float magnitude : {0.1f, 1.0f, 3.4e38f}) {
+            const bool constant = magnitude < 1.0f;
+            for (const auto& [width, height] : {std::pair{25, 1}, std::pair{13, 7}, std::pair{31, 57}}) {
+                Texture texture(
+                    {.format = Format::R32Float, .width = width, .height = height, .levels = full_level_count(width, height)});
+                std::vector<float> texels(static_cast<std::size_t>(width * height), magnitude);
+                if (!constant)
+                    for (float& texel : texels) texel = random.chance(2) ? magnitude : -magnitude;
+                texture.set_level_bytes(0, std::as_bytes(std::span(texels)).data(), texels.size() * 4);
+                Workers workers(1);
+                generate_mips(texture, profile, workers);
+                for (const int anisotropy : {1, 16}) {
+                    const Sampler sampler{.mip = MipFilter::Linear,
+                                          .address_u = AddressMode::Wrap,
+                                          .address_v = AddressMode::Mirror,
+                                          .max_anisotropy = anisotropy};
+                    std::vector<SampleRequest> requests;
+                    for (int i = 0; i < 200; ++i) {
+                        SampleRequest request{.coordinate = {random.in(-1.0f, 2.0f), random.in(-1.0f, 2.0f), 0}};
+                        const auto derivative = [&] { return static_cast<double>(random.in(-0.3f, 0.3f)); };
+                        request.gradient =
+                            SampleGradient{.dx = {derivative(), derivative(), 0}, .dy = {derivative(), derivative(), 0}};
+                        requests.push_back(request);
+                    }
+                    for (const SampleResult& result : gnomon::sample_all(texture, sampler, profile, requests)) {
+                        const auto largest = static_cast<double>(magnitude);
+                        const bool legal = constant ? result.color[0] == largest : std::fabs(result.color[0]) <= largest;
+                        if (!legal)
+                            FAIL(fmt::format("{} {}x{} anisotropy {}: {:a} from texels of magnitude {:a}", profile.name, width,
+                                             height, anisotropy, result.color[0], largest));
+                    }
+                }
+            }
+        }
+    }
 }

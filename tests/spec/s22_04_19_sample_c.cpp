@@ -107,7 +107,7 @@ TEST_CASE("float depth compares as it is, after the clamp", "[22.4.19]") {
     }
 }
 
-TEST_CASE("comparison results are filtered like any texel", "[22.4.19]") {
+TEST_CASE("comparison results are filtered like any texel", "[22.4.19][7.18.15]") {
     for (const Format format : {Format::D16, Format::D24, Format::D32Float, Format::R32Float}) {
         oracle::Random random(static_cast<std::uint64_t>(format));
         for (int round = 0; round < 50; ++round) {

@@ -39,8 +39,8 @@ void check_derivatives() {
 
 }  // namespace
 
-TEST_CASE("coarse and fine derivatives in Float", "[quad][22.5]") { check_derivatives<Float>(); }
-TEST_CASE("coarse and fine derivatives in Double", "[quad][22.5]") { check_derivatives<Double>(); }
+TEST_CASE("coarse and fine derivatives in Float", "[quad][22.5.2][22.5.4]") { check_derivatives<Float>(); }
+TEST_CASE("coarse and fine derivatives in Double", "[quad][22.5.2][22.5.4]") { check_derivatives<Double>(); }
 
 TEST_CASE("quad_any spreads a lane over its quad", "[quad]") {
     for (std::uint32_t bits = 0; bits <= kAllLanes; ++bits) {
