@@ -17,8 +17,9 @@ Real weighted_sum(const Real& a, const Real& b, const Real& weight) {
     return select(rest > zero, a * rest, zero) + select(weight > zero, b * weight, zero);
 }
 
-/// a + w (b - a), which keeps constants constant and is monotone in w. D3D11.3 7.18.16.3
-/// Where that is not finite (infinities cancel in it, differences overflow), the weighted sum decides.
+/// a + w (b - a), which keeps constants constant and is monotone in w, as D3D11.3 7.18.16.3 asks and the sum of products does
+/// not (DEVIATION(D3D11.3 7.18.8), tests/spec/s07_18_16_invariants.cpp; BilinearForm::Products is that sum). Where that is not
+/// finite (infinities cancel in it, differences overflow), the weighted sum decides.
 template <class Real>
 GNOMON_INLINE Real lerp(const Real& a, const Real& b, const Real& weight) {
     const Real result = a + weight * (b - a);

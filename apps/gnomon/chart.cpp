@@ -127,7 +127,9 @@ void write_page(const std::filesystem::path& path, const std::vector<ChartEntry>
     if (!stream) fail("{}: cannot be written", path.string());
 }
 
-void draw_charts(const studies::OutputFolder& folder, const ChartPlan& plan, const std::vector<ChartEntry>& entries) {
+/// Counts in `finished` what is drawn and written.
+void draw_charts(const studies::OutputFolder& folder, const ChartPlan& plan, const std::vector<ChartEntry>& entries,
+                 std::size_t& finished) {
     ProgressLine line;
     const Progress progress = line.progress();
     Workers workers(plan.threads);
@@ -144,6 +146,7 @@ void draw_charts(const studies::OutputFolder& folder, const ChartPlan& plan, con
                 write_png(folder.file(chart_file(*entry, studies::kLodSuffix)), chart.lod);
                 write_png(folder.file(chart_file(*entry, studies::kProbesSuffix)), chart.probes);
                 ++entry;
+                ++finished;
             }
         }
     }
@@ -157,7 +160,13 @@ void chart(const ChartOptions& options) {
     const std::vector<std::string> files = files_of(entries);
     studies::OutputFolder folder(options.out);
     folder.check_replaceable(files);
-    draw_charts(folder, plan, entries);
+    std::size_t finished = 0;
+    try {
+        draw_charts(folder, plan, entries, finished);
+    } catch (const Stopped&) {
+        if (finished > 0) folder.commit(files);  // without the page, which shows all of them
+        throw;
+    }
     write_page(folder.file(files.back()), entries, plan);
     folder.commit(files);
     fmt::print("{}: {} charts; index.html shows them\n", options.out, entries.size());

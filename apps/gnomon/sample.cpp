@@ -72,7 +72,13 @@ std::vector<studies::ColorImage> read_levels(const std::string& folder) {
     std::vector<studies::ColorImage> levels;
     for (int i = 0; i < kMaxLevels; ++i) {
         const fs::path path = fs::path(folder) / fmt::format("{}.exr", i);
-        if (!fs::exists(path, ignored)) break;
+        if (!fs::exists(path, ignored)) {
+            // The chain ends here; a level after a gap is a mistake.
+            for (int later = i + 1; later < kMaxLevels; ++later)
+                if (fs::exists(fs::path(folder) / fmt::format("{}.exr", later), ignored))
+                    fail("--levels-from {}: has {}.exr but no {}.exr", folder, later, i);
+            break;
+        }
         levels.push_back(studies::read_image(path));
         const studies::ColorImage& first = levels.front();
         const int width = level_size(first.width, i);

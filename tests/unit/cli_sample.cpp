@@ -106,6 +106,7 @@ TEST_CASE("gnomon sample reads images and explicit mip chains", "[cli]") {
     CHECK(chain.err.empty());
     CHECK(chain.out == "0x1p+0 0x1p+0 0x0p+0 0x0p+0 0x1p+0\n0x1.fffffep-2 0x1p-1 0x0p+0 0x0p+0 0x1p+0\n");
     std::filesystem::remove(folder.path() / "levels" / "1.exr");
+    CHECK(gnomon_run(folder, "sample --levels-from levels", "0 0\n").err.find("has 2.exr but no 1.exr") != std::string::npos);
     std::filesystem::copy(folder.path() / "levels" / "2.exr", folder.path() / "levels" / "1.exr");
     const Outcome wrong = gnomon_run(folder, "sample --levels-from levels", "0 0\n");
     CHECK(wrong.code == 2);
