@@ -7,6 +7,11 @@
 
 namespace gnomon {
 
+/// Whether the hardware filters a format at all; others are point-sampled whatever the sampler says.
+inline bool filters_format(const FormatInfo& format, const Profile& profile) {
+    return !format.is_integer() && (profile.filters_float32 || format.type != ComponentType::Float32);
+}
+
 /// The limit of anisotropy that the hardware makes of the sampler's.
 inline int effective_anisotropy(int wanted, AnisoLimits limits) {
     if (limits == AnisoLimits::Any) return wanted;
@@ -166,13 +171,15 @@ LevelOfDetail<Real> widened(const LevelOfDetail<Float>& lod) {
     return result;
 }
 
-/// What a sampler makes of the derivatives: anisotropic where it asks for it, but isotropic on cubes. D3D11.3 7.18.11, 7.18.13
+/// What a sampler makes of the derivatives: anisotropic where it asks for it, but isotropic on cubes and for formats that are
+/// not filtered. D3D11.3 7.18.11, 7.18.13
 template <class Real>
 GNOMON_INLINE LevelOfDetail<Real> level_of_detail(const Gradients<Real>& gradients, const TextureView& view,
                                                   const Sampler& sampler, const Profile& profile) {
     const int width = view.width();
     const int height = view.height();
-    if (sampler.max_anisotropy > 1 && view.texture().desc().kind != TextureKind::Cube) {
+    const bool filtered = filters_format(view.texture().info(), profile);
+    if (sampler.max_anisotropy > 1 && filtered && view.texture().desc().kind != TextureKind::Cube) {
         const Gradients<Float> narrow{{to_float(gradients.dx.x), to_float(gradients.dx.y)},
                                       {to_float(gradients.dy.x), to_float(gradients.dy.y)}};
         switch (profile.aniso_rule) {

@@ -109,7 +109,7 @@ private:
 /// exp(-2 r^2), the Gaussian of [Heckbert89] 3.5.8 with its usual width.
 template <class Real>
 Real ewa_weight(const Real& r2) {
-    return exp2(r2 * Real(-2.8853900817779268f));  // -2 / ln 2
+    return exp2(r2 * Real(static_cast<typename Real::Scalar>(-2.8853900817779268)));  // -2 / ln 2
 }
 
 }  // namespace gnomon

@@ -45,8 +45,7 @@ Vec4<Real> sample(const TextureView& view, const Sampler& sampler, const Profile
     Unobserved nobody;
     const auto any_format = [&] { return sample_observed<0>(view, sampler, profile, coordinate, lod, operands, nobody); };
     if constexpr (std::is_same_v<Real, Float>) {
-        const bool inlined = (profile.filters_float32 || format.type != ComponentType::Float32) &&
-                             (!lod.anisotropic || filters_by_probes(profile));
+        const bool inlined = filters_format(format, profile) && (!lod.anisotropic || filters_by_probes(profile));
         if (!inlined) return any_format();
         const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
             constexpr std::size_t kCount = AnyCodec::kComponents;

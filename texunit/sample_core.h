@@ -40,8 +40,7 @@ inline bool filters_by_probes(const Profile& profile) {
 
 /// The sampler that the hardware makes of the one it is given: formats that it cannot filter are point-sampled.
 inline Sampler effective_sampler(const Sampler& sampler, const FormatInfo& format, const Profile& profile) {
-    const bool unfiltered = format.is_integer() || (!profile.filters_float32 && format.type == ComponentType::Float32);
-    if (!unfiltered) return sampler;
+    if (filters_format(format, profile)) return sampler;
     Sampler nearest = sampler;
     nearest.min = nearest.mag = TexelFilter::Nearest;
     if (nearest.mip == MipFilter::Linear) nearest.mip = MipFilter::Nearest;

@@ -1,6 +1,7 @@
 // D3D11.3 22.4.16, 22.4.17, 22.4.18, 22.4.20: bias per lane, the shader's own derivatives, its own level, comparison at level
 // 0.
 #include "tests/oracle/random.h"
+#include "texunit/aniso.h"
 #include "texunit/record.h"
 
 #include <fmt/format.h>
@@ -105,4 +106,15 @@ TEST_CASE("comparison at level zero takes bias and clamps of the sampler", "[22.
     CHECK(level_is(3));
     sampler.max_lod = 1.0f;  // min_lod takes precedence. D3D11.3 7.18.11
     CHECK(level_is(3));
+}
+
+TEST_CASE("a format that is not filtered has no anisotropy, in shaders as in records", "[22.4.15][7.18.11]") {
+    const Profile nv40 = load_profile("nv40");
+    const Sampler sampler{.mip = MipFilter::Linear, .max_anisotropy = 16};
+    const Gradients<Float> gradients{{Float(8.0f / 64), Float(0.0f)}, {Float(0.0f), Float(1.0f / 64)}};
+    const Texture floats = numbered(Format::R32Float);
+    const Texture halfs({.format = Format::R16Float, .width = 64, .height = 64, .levels = 7});
+    CHECK_FALSE(level_of_detail(gradients, TextureView(floats), sampler, nv40).anisotropic);
+    CHECK(level_of_detail(gradients, TextureView(halfs), sampler, nv40).anisotropic);
+    CHECK(level_of_detail(gradients, TextureView(floats), sampler, load_profile("g80")).anisotropic);
 }
