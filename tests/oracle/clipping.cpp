@@ -1,6 +1,7 @@
 // Signs of homogeneous edge and plane functions on 128-bit integers. D3D11.3 15.4, 15.5, 15.6
 #include "tests/oracle/clipping.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace oracle {
@@ -42,6 +43,10 @@ ClippedTriangle::ClippedTriangle(const std::array<ClipVertex, 3>& vertices, cons
 
     // Near and far are sums of the l_i.
     plane_count_ = depth_clip == DepthClip::On ? 5 : 3;
+    const auto [first_z, last_z] = std::minmax({vertices[0].z, vertices[1].z, vertices[2].z});
+    const auto [first_far, last_far] =
+        std::minmax({vertices[0].w - vertices[0].z, vertices[1].w - vertices[1].z, vertices[2].w - vertices[2].z});
+    crosses_depth_plane_ = depth_clip == DepthClip::On && ((first_z <= 0 && last_z >= 0) || (first_far <= 0 && last_far >= 0));
     for (std::size_t i = 0; i < 3; ++i) {
         const Wide before_far = Wide{vertices[i].w} - vertices[i].z;
         planes_[3].dx += planes_[i].dx * vertices[i].z;
@@ -53,18 +58,47 @@ ClippedTriangle::ClippedTriangle(const std::array<ClipVertex, 3>& vertices, cons
     }
 }
 
+__int128 ClippedTriangle::value(const HalfPlane& plane, const Point& sample) {
+    return plane.dx * sample.x + plane.dy * sample.y + plane.c;
+}
+
+// A corner that moves by at most `band` per axis moves the border by at most this much.
+__int128 ClippedTriangle::margin(const HalfPlane& plane, std::int64_t band) {
+    return (magnitude(plane.dx) + magnitude(plane.dy)) * band;
+}
+
 ClippedTriangle::Where ClippedTriangle::at(const Point& sample, std::int64_t band) const {
     if (edge_on()) return Where::Close;
     bool close = false;
     for (std::size_t i = 0; i < plane_count_; ++i) {
-        const HalfPlane& plane = planes_[i];
-        const Wide value = plane.dx * sample.x + plane.dy * sample.y + plane.c;
-        // A corner that moves by at most `band` per axis moves the border by at most this much.
-        const Wide margin = (magnitude(plane.dx) + magnitude(plane.dy)) * band;
-        if (value < -margin) return Where::Outside;
-        close = close || value <= margin;
+        const Wide here = value(planes_[i], sample);
+        const Wide reach = margin(planes_[i], band);
+        if (here < -reach) return Where::Outside;
+        close = close || here <= reach;
     }
     return close ? Where::Close : Where::Inside;
+}
+
+bool ClippedTriangle::shows(const Point& sample) const {
+    if (edge_on()) return false;
+    for (std::size_t i = 0; i < plane_count_; ++i) {
+        const Wide here = value(planes_[i], sample);
+        const Wide beside = planes_[i].dx != 0 ? planes_[i].dx : planes_[i].dy;
+        if (here < 0 || (here == 0 && beside < 0)) return false;
+    }
+    return true;
+}
+
+bool ClippedTriangle::depth_cut_near(const Point& sample, std::int64_t band) const {
+    if (edge_on()) return crosses_depth_plane_;
+    bool near = false;
+    for (std::size_t i = 0; i < plane_count_; ++i) {
+        const Wide here = value(planes_[i], sample);
+        const Wide reach = margin(planes_[i], band);
+        if (here < -reach) return false;
+        near = near || (i >= 3 && here <= reach);
+    }
+    return near;
 }
 
 Tally tally(std::span<const ClippedTriangle> triangles, const Point& sample, std::int64_t band) {
@@ -74,6 +108,15 @@ Tally tally(std::span<const ClippedTriangle> triangles, const Point& sample, std
             case ClippedTriangle::Where::Close: ++sum.close; break;
             case ClippedTriangle::Where::Outside: break;
         }
+    return sum;
+}
+
+SignedCount signed_count(std::span<const ClippedTriangle> triangles, const Point& sample, std::int64_t band) {
+    SignedCount sum;
+    for (const ClippedTriangle& t : triangles) {
+        if (t.shows(sample)) sum.count += t.facing() == Facing::Front ? 1 : -1;
+        sum.sure = sum.sure && !t.depth_cut_near(sample, band);
+    }
     return sum;
 }
 

@@ -51,6 +51,13 @@ public:
     /// Every sample is close to a triangle seen edge-on or without area.
     [[nodiscard]] Where at(const Point& sample, std::int64_t band = 2) const;
 
+    /// Whether the sample is inside, exactly; one on an edge counts as if it lay an infinitesimal step to the right, and a far
+    /// smaller one down. Triangles that share an edge agree on which of them has it. False if edge_on().
+    [[nodiscard]] bool shows(const Point& sample) const;
+
+    /// Whether the near or the far plane cuts what is within `band` of the sample.
+    [[nodiscard]] bool depth_cut_near(const Point& sample, std::int64_t band = 2) const;
+
     [[nodiscard]] bool edge_on() const { return determinant_ == 0; }
     /// Facing of whatever is visible; clockwise is front.
     [[nodiscard]] Facing facing() const { return determinant_ > 0 ? Facing::Front : Facing::Back; }
@@ -60,7 +67,11 @@ private:
     struct HalfPlane {
         __int128 dx = 0, dy = 0, c = 0;
     };
+    [[nodiscard]] static __int128 value(const HalfPlane& plane, const Point& sample);
+    [[nodiscard]] static __int128 margin(const HalfPlane& plane, std::int64_t band);
+
     __int128 determinant_ = 0;
+    bool crosses_depth_plane_ = false;
     std::array<HalfPlane, 5> planes_;
     std::size_t plane_count_ = 0;
 };
@@ -72,5 +83,15 @@ struct Tally {
     int close = 0;  // triangles that may or may not
 };
 Tally tally(std::span<const ClippedTriangle> triangles, const Point& sample, std::int64_t band = 2);
+
+/// Front faces less back faces over a sample. Of a mesh without border the difference is 0 wherever no depth plane has opened
+/// it, and elsewhere changes only where the border that the cut has left passes: on all other edges, shared ones and outlines,
+/// it is exact, whatever snapping did to them. Implementations must have the same difference, close to edges too, where it is
+/// `sure`.
+struct SignedCount {
+    int count = 0;
+    bool sure = true;  // no cut within the band
+};
+SignedCount signed_count(std::span<const ClippedTriangle> triangles, const Point& sample, std::int64_t band = 2);
 
 }  // namespace oracle

@@ -135,3 +135,36 @@ TEST_CASE("what the clipping oracle counts of a solid", "[oracle][15.4]") {
     CHECK(count(ViewKind::FarCuts, 2) > 1000);
     CHECK(count(ViewKind::Inside, 1) > 1000);
 }
+
+TEST_CASE("the difference of front and back faces is exact on edges too", "[oracle][15.4]") {
+    std::uint64_t on_edges = 0;
+    std::uint64_t opened = 0;
+    for (std::uint64_t index = 0; index < 400; ++index) {
+        Random random(index);
+        const ViewKind kind = kViewKinds[index % kViewKinds.size()];
+        const Solid solid = random_solid(random);
+        const bool clip = index % 8 < 6;
+        const ClipMesh mesh = random_view(random, solid, kind);
+        std::vector<ClippedTriangle> triangles;
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            triangles.emplace_back(mesh.triangle(i), kRect, clip ? DepthClip::On : DepthClip::Off);
+        const SamplePattern pattern = standard_pattern(2);
+        for_each_sample(pattern, [&](int x, int y, int i) {
+            const Point s = pattern.at(x, y, i);
+            const Tally sum = tally(triangles, s);
+            const SignedCount difference = signed_count(triangles, s);
+            INFO("case " << index << ", pixel (" << x << ", " << y << "), sample " << i);
+            if (kind == ViewKind::InFront) REQUIRE(difference.count == 0);
+            if (sum.close == 0) {
+                REQUIRE(difference.count == sum.front - sum.back);
+                REQUIRE(difference.sure);
+            } else {
+                on_edges += difference.sure;
+            }
+            opened += difference.count != 0;
+            if (kind == ViewKind::NearCuts) REQUIRE(difference.count <= 0);
+        });
+    }
+    CHECK(on_edges > 1000);
+    CHECK(opened > 5000);
+}
