@@ -153,5 +153,9 @@ TEST_CASE("positions come back from clip space", "[oracle][15.6]") {
         const int size = 1 << random.integer(0, 10);
         const std::int64_t grid = random.between(-(1 << 23) + 128 * size, (1 << 23) - 128 * size);
         REQUIRE(snap(ndc_of(grid, 0, size), 0, size, 8) == grid);
+        const Point wanted{grid, random.between(-9999, 9999)};
+        const PlacedVertex placed = place(random, wanted, {0, 0, size, 16});
+        REQUIRE(placed.snapped == wanted);
+        REQUIRE(placed.clip[2] == 0.5f * placed.clip[3]);
     }
 }

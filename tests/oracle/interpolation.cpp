@@ -80,6 +80,12 @@ long double perspective_w(const Barycentric& b, const std::array<float, 3>& w) {
     return static_cast<Real>(b.area) / inverse;
 }
 
+long double line_parameter(const Point& a, const Point& b, const Point& p) {
+    const std::int64_t dx = b.x - a.x;
+    const std::int64_t dy = b.y - a.y;
+    return static_cast<Real>((p.x - a.x) * dx + (p.y - a.y) * dy) / static_cast<Real>(dx * dx + dy * dy);
+}
+
 Slopes slopes(const SnappedTriangle& t, const std::array<float, 3>& v) {
     const Gradients g = gradients(t);
     const Real d1 = static_cast<Real>(v[1]) - static_cast<Real>(v[0]);

@@ -40,6 +40,10 @@ long double perspective(const Barycentric& b, const std::array<float, 3>& v, con
 /// w as the pixel shader's position has it: the reciprocal of the linearly interpolated 1 / w. D3D11.3 16.3
 long double perspective_w(const Barycentric& b, const std::array<float, 3>& w);
 
+/// How far along the line from a to b the point projected onto it lies, 0 at a and 1 at b. Direct3D does not say how attributes
+/// vary along aliased lines; this is OpenGL's and Vulkan's rule. OpenGL 4.6 14.5.1
+long double line_parameter(const Point& a, const Point& b, const Point& p);
+
 /// The change of the linear interpolation per pixel to the right, or down.
 struct Slopes {
     long double dx, dy;

@@ -131,6 +131,13 @@ TEST_CASE("fp32 perspective stays within its bounds", "[oracle][15.5]") {
     CHECK(closest > 0.05L);
 }
 
+TEST_CASE("points project onto lines", "[oracle]") {
+    CHECK(line_parameter({0, 0}, {1024, 0}, {256, 77}) == 0.25L);
+    CHECK(line_parameter({1024, 0}, {0, 0}, {256, 77}) == 0.75L);
+    CHECK(line_parameter({0, 0}, {512, 512}, {0, 512}) == 0.5L);
+    CHECK(line_parameter({0, 0}, {256, 0}, {-256, 0}) == -1);
+}
+
 TEST_CASE("centroid is the centre, the first covered sample, or the first of a partial mask", "[oracle][3.5.5]") {
     const SamplePattern pattern = standard_pattern(4);
     const Point center = pixel_center(2, 3);

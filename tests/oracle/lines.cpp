@@ -163,8 +163,11 @@ std::vector<Pixel> aliased_line_by_crossings(const Point& a, const Point& b, con
     std::vector<Pixel> drawn;
     const Point& first = m(a) < m(b) ? a : b;
     const Point& last = m(a) < m(b) ? b : a;
-    // Lines with |dx| = |dy| have m(first) < m(last) as well.
-    for (std::int64_t k = (m(first) - kHalf + 255) >> 8; k * 256 + kHalf <= m(last); ++k) {
+    // Columns or rows of the rectangle whose centres lie between the ends. Lines with |dx| = |dy| have m(first) < m(last) as
+    // well.
+    const std::int64_t begin = std::max<std::int64_t>((m(first) - kHalf + 255) >> 8, y_major ? rect.top : rect.left);
+    const std::int64_t end_of_rect = y_major ? rect.bottom : rect.right;
+    for (std::int64_t k = begin; k * 256 + kHalf <= m(last) && k < end_of_rect; ++k) {
         const Wide d = m(last) - m(first);
         const Wide across = Wide{n(first)} * d + Wide{n(last) - n(first)} * (k * 256 + kHalf - m(first));
         const std::int64_t other = cell(across, d * 256);

@@ -1,7 +1,7 @@
 // The line oracle against itself: diamonds against the closed form, strips, and cases worked by hand.
 // D3D11.3 3.4.3, 3.4.5, 3.4.6
 #include "tests/oracle/lines.h"
-#include "tests/oracle/random.h"
+#include "tests/oracle/triangles.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -27,21 +27,6 @@ void check_both(const Point& a, const Point& b) {
     const auto asked = aliased_line(a, b, kRect);
     const auto crossed = aliased_line_by_crossings(a, b, kRect);
     if (asked != crossed) FAIL(describe(a, b) << "\n  diamonds: " << describe(asked) << "\n  crossings:" << describe(crossed));
-}
-
-/// Ends where something can go wrong: corners and edges of diamonds, pixel corners, centres.
-Point special_end(Random& random) {
-    const std::int64_t u = random.between(-4, 4) * 64;
-    const std::int64_t v = random.between(-4, 4) * 64;
-    const std::int64_t x = random.between(0, 5) * 256;
-    const std::int64_t y = random.between(0, 5) * 256;
-    return {x + 128 + u, y + 128 + v};
-}
-
-Point any_end(Random& random) {
-    const std::int64_t x = random.between(0, 2560);
-    const std::int64_t y = random.between(0, 2560);
-    return {x, y};
 }
 
 }  // namespace
@@ -79,8 +64,7 @@ TEST_CASE("no two diamonds share a point, and every pixel centre has one", "[ora
 TEST_CASE("the closed form of aliased lines is the diamond rule", "[oracle][3.4.3]") {
     for (std::uint64_t index = 0; index < 60000; ++index) {
         Random random(index);
-        const Point a = index % 3 == 0 ? any_end(random) : special_end(random);
-        const Point b = index % 3 == 1 ? any_end(random) : special_end(random);
+        const auto [a, b] = random_line(random, {.width = 9, .height = 7});
         INFO("case " << index);
         check_both(a, b);
     }

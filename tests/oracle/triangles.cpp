@@ -238,4 +238,35 @@ float ndc_of(std::int64_t grid, int origin, int size) {
     return static_cast<float>((static_cast<double>(grid) / 256.0 - origin) * 2.0 / size - 1.0);
 }
 
+PlacedVertex place(Random& random, const Point& wanted, const PixelRect& viewport, int subpixel_bits) {
+    const int width = viewport.right - viewport.left;
+    const int height = viewport.bottom - viewport.top;
+    const float w = random.chance(3) ? std::ldexp(1.0f, random.integer(-3, 3)) : 1.0f;
+    const float x = ndc_of(wanted.x, viewport.left, width);
+    const float y = ndc_of(wanted.y, viewport.top, height);
+    return {{x * w, -y * w, 0.5f * w, w},
+            {snap(x, viewport.left, width, subpixel_bits), snap(y, viewport.top, height, subpixel_bits)}};
+}
+
+std::array<Point, 2> random_line(Random& random, const TriangleTarget& target) {
+    // Multiples of a quarter pixel: corners and middles of the edges of diamonds, corners and centres of pixels.
+    const auto special = [&] {
+        const std::int64_t x = random.between(-4, 4 * target.width + 4) * 64;
+        const std::int64_t y = random.between(-4, 4 * target.height + 4) * 64;
+        return Point{x, y};
+    };
+    const Point a = random.chance(2) ? special() : anywhere(random, target, 512);
+    const std::int64_t length = random.chance(2) ? random.between(-300, 300) : random.between(-40, 40) * 64;
+    switch (random.integer(0, 7)) {
+        case 0: return {a, special()};
+        case 1: return {a, anywhere(random, target, 512)};
+        case 2: return {a, near(random, a, 300)};
+        case 3: return {a, far_away(random)};
+        case 4: return {far_away(random), a};
+        case 5: return {a, random.chance(2) ? Point{a.x + length, a.y} : Point{a.x, a.y + length}};
+        case 6: return {a, Point{a.x + length, random.chance(2) ? a.y + length : a.y - length}};
+        default: return {a, random.chance(4) ? a : near(random, special(), 1)};
+    }
+}
+
 }  // namespace oracle

@@ -68,4 +68,16 @@ const std::array<CompleteSet, 3>& complete_sets();
 /// position is within +-(2^23 - 128 size).
 float ndc_of(std::int64_t grid, int origin, int size);
 
+/// A clip-space vertex for a wanted grid position and where the specification's own arithmetic puts it, which is the wanted
+/// position wherever ndc_of() is exact. w is often a power of two other than 1, z is w / 2.
+struct PlacedVertex {
+    std::array<float, 4> clip;
+    Point snapped;
+};
+PlacedVertex place(Random& random, const Point& wanted, const PixelRect& viewport, int subpixel_bits = 8);
+
+/// Start and end of a line in or near the target: ends on corners and edges of diamonds, on pixel corners and centres, or
+/// anywhere; long, short, axis-aligned, diagonal ones and single points.
+std::array<Point, 2> random_line(Random& random, const TriangleTarget& target);
+
 }  // namespace oracle
