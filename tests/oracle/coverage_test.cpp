@@ -116,8 +116,7 @@ TEST_CASE("top and left edges belong to the triangle, others do not", "[oracle][
     const SamplePattern center = standard_pattern(1);
     const PixelRect rect{0, 0, 4, 4};
     const auto pixels = [&](const SnappedTriangle& t) { return covered_pixels(coverage(t, rect, center)); };
-    // A right angle at the centre of pixel (1, 1), legs through centres: top and left edges are in, the slanted right edge is
-    // out.
+    // A right angle at the centre of pixel (1, 1), legs through centres: top and left edges are in, the slanted one is out.
     CHECK(pixels({Point{384, 384}, {384 + 512, 384}, {384, 384 + 512}}) ==
           std::vector<CoveredPixel>{{1, 1, 1}, {2, 1, 1}, {1, 2, 1}});
     // Turned by half: the slanted edge is on the left and in, right and bottom edges are out.

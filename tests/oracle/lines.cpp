@@ -113,8 +113,7 @@ int compare_corner(std::int64_t at, std::int64_t d, Wide length2, std::int64_t t
     return d > 0 ? longer : -longer;
 }
 
-/// One coordinate of a corner on the grid: at + 0.7 * 65536 d / sqrt(length2) to the nearest multiple of 256, ties to even
-/// ones.
+/// One coordinate of a corner on the grid: at + 0.7 * 65536 d / sqrt(length2) to the nearest multiple of 256, ties to even.
 std::int64_t snapped_corner(std::int64_t at, std::int64_t d, Wide length2) {
     // Search upwards from below; the estimate only saves steps.
     const double estimate =
@@ -163,8 +162,7 @@ std::vector<Pixel> aliased_line_by_crossings(const Point& a, const Point& b, con
     std::vector<Pixel> drawn;
     const Point& first = m(a) < m(b) ? a : b;
     const Point& last = m(a) < m(b) ? b : a;
-    // Columns or rows of the rectangle whose centres lie between the ends. Lines with |dx| = |dy| have m(first) < m(last) as
-    // well.
+    // Columns or rows of the rectangle whose centres lie between the ends; m(first) < m(last) also where |dx| = |dy|.
     const std::int64_t begin = std::max<std::int64_t>((m(first) - kHalf + 255) >> 8, y_major ? rect.top : rect.left);
     const std::int64_t end_of_rect = y_major ? rect.bottom : rect.right;
     for (std::int64_t k = begin; k * 256 + kHalf <= m(last) && k < end_of_rect; ++k) {

@@ -6,9 +6,10 @@
 // corners do not; for y-major lines (|dy| > |dx|) the right corner does too. A line draws the pixels whose diamond it leaves on
 // its way from start to end: those it meets that do not hold its end. A line without length draws nothing.
 //
-// Hence in a strip the joint's pixel is drawn by the line that starts there, once, wherever the joint lies. One exception is in
-// the rule itself: a joint exactly on a right corner (x an integer, y halfway) is outside for an x-major line that ends there
-// and inside for a y-major line that starts there, so that both draw the pixel; the other way round neither need do so.
+// Hence a chain of lines draws a joint's pixel where it leaves the diamond, once, with the line that does so; a chain that
+// turns back into a diamond it has left draws the pixel again. One exception is in the rule itself: a joint exactly on a right
+// corner (x an integer, y halfway) is outside for an x-major line that ends there and inside for a y-major line that starts
+// there, so that both draw the pixel; the other way round neither need do so.
 #pragma once
 
 #include "tests/oracle/coverage.h"
