@@ -1,5 +1,5 @@
 // Single units with Google Benchmark: the texture unit per lane, conversions per value, the rasteriser per pixel.
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 #include "sim/half.h"
 #include "sim/math.h"
 #include "techniques/gaussian.h"

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace gnomon {
 
 /// How far outside the viewport, in units of w, x and y may go before they are clipped: what 16.8 positions can hold.
 template <class Scalar>
-struct GuardBand {
+struct GuardBand {                    // D3D11.3 15.4
     Scalar left, right, bottom, top;  // -left w <= x <= right w and so on; each >= 1
 };
 
@@ -32,8 +34,9 @@ enum ClipCode : unsigned {
 inline constexpr unsigned kClipPlanes =
     kOutsideNear | kOutsideFar | kOutsideLeft | kOutsideRight | kOutsideBottom | kOutsideTop;
 
+/// Without depth clipping near and far are never left. Bits of kBeyond... say nothing about width: they are for triangles.
 template <class Scalar>
-unsigned clip_code(const Scalar* v, const GuardBand<double>& guard) {
+unsigned clip_code(const Scalar* v, const GuardBand<double>& guard, bool depth_clip) {
     const Scalar x = v[0];
     const Scalar y = v[1];
     const Scalar z = v[2];
@@ -41,8 +44,8 @@ unsigned clip_code(const Scalar* v, const GuardBand<double>& guard) {
     // x - x is 0 only for finite x.
     if (!((x - x) + (y - y) + (z - z) + (w - w) == Scalar(0))) return kNotFinite;
     unsigned code = 0;
-    if (z < 0) code |= kOutsideNear;
-    if (z > w) code |= kOutsideFar;
+    if (depth_clip && z < 0) code |= kOutsideNear;
+    if (depth_clip && z > w) code |= kOutsideFar;
     // In double, as clip() cuts: two triangles must not disagree about a vertex next to the plane.
     const auto wide_x = static_cast<double>(x);
     const auto wide_y = static_cast<double>(y);
@@ -64,12 +67,19 @@ unsigned clip_code(const Scalar* v, const GuardBand<double>& guard) {
 struct ClipPolygon {
     std::size_t stride = 0;
     std::vector<double> vertices;
+    std::vector<char> edges;                 // [i]: the edge from vertex i to the next is an original one, or a part of it
+    std::span<const std::uint8_t> linear{};  // [k]: scalar k behind the position is linear on the screen; empty: none is
 
     [[nodiscard]] std::size_t count() const { return vertices.size() / stride; }
 };
 
 /// Cuts the polygon by every plane named in `planes`. Each intersection is computed from the inner vertex towards the outer
 /// one, so that two triangles cut a shared edge at the same point. Planes come in the order of ClipCode.
+///
+/// Scalars that are linear on the screen take the parameter that is linear there. Vulkan 1.3 27.4 (Clipping Shader Outputs)
 void clip(ClipPolygon& polygon, unsigned planes, const GuardBand<double>& guard);
+
+/// The same for a line: a polygon of two vertices, which is empty afterwards if nothing is left.
+void clip_line(ClipPolygon& line, unsigned planes, const GuardBand<double>& guard);
 
 }  // namespace gnomon

@@ -3,17 +3,11 @@
 // Commands are plain values. Spans point into the caller's memory and are valid only while the command executes.
 #pragma once
 
-#include "sim/enum_names.h"
-#include "texunit/sampler.h"
+#include "pipeline/state.h"
 #include "texunit/texture.h"
 
-#include <glm/vec4.hpp>
-
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string>
 #include <string_view>
 #include <variant>
 
@@ -23,14 +17,26 @@ namespace gnomon {
 enum class BufferId : std::uint32_t { None = 0 };
 enum class TextureId : std::uint32_t { None = 0 };
 
-inline constexpr int kMaxTargets = 8;  // D3D11.3 17.1
-
 struct Program;  // program.h
+
+/// One level of a texture and a run of its layers, as a target. D3D11.3 5.2
+struct TargetView {
+    TextureId texture = TextureId::None;
+    int level = 0;
+    int first_layer = 0;
+    int layers = 1;  // more than one: primitives choose theirs. D3D11.3 15.15
+
+    TargetView() = default;
+    TargetView(TextureId id) : texture(id) {}  // level 0, layer 0
+    TargetView(TextureId id, int at_level, int at_layer = 0, int layer_count = 1)
+        : texture(id), level(at_level), first_layer(at_layer), layers(layer_count) {}
+    bool operator==(const TargetView&) const = default;
+};
 
 struct CreateBuffer {
     BufferId id;
     std::string_view label;
-    std::span<const std::byte> data;  // buffers do not change after creation
+    std::span<const std::byte> data;
 };
 
 struct CreateTexture {
@@ -43,16 +49,24 @@ struct WriteTexture {
     TextureId id;
     int level = 0;
     std::span<const std::byte> data;  // rows, top first, no padding
+    int layer = 0;
+    int sample = 0;
 };
 
+/// Every sample of every layer of the view.
 struct ClearColor {
-    TextureId id;  // level 0
+    TargetView target;
     glm::vec4 value{0.0f};
 };
 
 struct ClearDepth {
-    TextureId id;
+    TargetView target;
     float value = 1.0f;  // [0, 1]
+};
+
+struct ClearStencil {
+    TargetView target;
+    int value = 0;  // 0 to 255
 };
 
 /// Box filter from level 0 down. mipmap.h
@@ -60,68 +74,47 @@ struct GenerateMips {
     TextureId id;
 };
 
-/// Which triangles are dropped for the way they face. D3D11.3 15.11
-enum class CullMode { None, Front, Back };
-template <>
-inline constexpr std::array kEnumNames<CullMode>{EnumName{CullMode::None, "none"}, EnumName{CullMode::Front, "front"},
-                                                 EnumName{CullMode::Back, "back"}};
-
-/// D3D11.3 15.10, 15.11
-struct RasterState {
-    CullMode cull = CullMode::None;
-    bool front_counter_clockwise = true;  // as glTF winds its triangles
-    int depth_bias = 0;                   // units of the smallest step of the depth format
-    float slope_scaled_depth_bias = 0.0f;
-    float depth_bias_clamp = 0.0f;  // 0: none
-
-    static constexpr auto fields() {
-        using R = RasterState;
-        return std::tuple{Field{"cull", &R::cull}, Field{"front_counter_clockwise", &R::front_counter_clockwise},
-                          Field{"depth_bias", &R::depth_bias}, Field{"slope_scaled_depth_bias", &R::slope_scaled_depth_bias},
-                          Field{"depth_bias_clamp", &R::depth_bias_clamp}};
-    }
-    bool operator==(const RasterState&) const = default;
+/// The mean of the samples of each pixel, in linear space for sRGB; one layer. D3D11.3 19.2.4, 5.6.6
+struct Resolve {
+    TargetView source;       // level 0 of a multisampled texture
+    TargetView destination;  // the same format and size, one sample
 };
 
-/// D3D11.3 17.9 to 17.11
-struct DepthState {
-    bool write = true;
-    CompareOp compare = CompareOp::Less;  // new OP stored
-
-    static constexpr auto fields() {
-        using D = DepthState;
-        return std::tuple{Field{"write", &D::write}, Field{"compare", &D::compare}};
-    }
-    bool operator==(const DepthState&) const = default;
-};
-
-/// In pixels, y down; the depth range is [0, 1]. D3D11.3 15.6
-struct Viewport {
-    int x = 0;
-    int y = 0;
-    int width = 0;  // 0: the whole target
-    int height = 0;
-
-    bool operator==(const Viewport&) const = default;
-};
-
-/// One draw call: an indexed or plain triangle list through a program into its targets.
+/// One draw call: vertices through a program into its targets.
 struct Draw {
     std::string_view label{};
     const Program* program = nullptr;
     std::span<const std::byte> vertex_constants{};  // the vertex functor
     std::span<const std::byte> pixel_constants{};   // the pixel functor; empty for depth-only programs
-    BufferId vertices = BufferId::None;             // interleaved floats, program->vertex_floats each
-    BufferId indices = BufferId::None;              // 32 bit; None: vertices in order
-    std::uint32_t first = 0;                        // index or vertex
-    std::uint32_t count = 0;                        // a multiple of 3
+
+    Topology topology = Topology::TriangleList;
+    BufferId vertices = BufferId::None;   // interleaved floats, program->vertex_floats each
+    BufferId instances = BufferId::None;  // interleaved floats, program->instance_floats each; None if that is 0
+    BufferId indices = BufferId::None;    // None: vertices in order
+    IndexType index_type = IndexType::Uint32;
+    bool primitive_restart = false;  // the index with all bits set ends a strip, a fan or an unfinished primitive. D3D11.3 8.12
+    std::uint32_t first = 0;         // index or vertex
+    std::uint32_t count = 0;         // per instance; what makes no whole primitive is left out. D3D11.3 8.13
+    std::int32_t base_vertex = 0;    // added to every index
+    std::uint32_t first_instance = 0;  // of `instances`
+    std::uint32_t instance_count = 1;
+
     RasterState raster{};
     DepthState depth_state{};
+    StencilState stencil{};
+    OutputState output{};
     Viewport viewport{};
-    std::array<TextureId, kMaxTargets> color{};  // the first program->targets of them, level 0
-    TextureId depth = TextureId::None;           // None: no depth test
+    std::span<const Viewport> viewports{};    // instead of `viewport`, where primitives choose theirs: up to kMaxViewports
+    std::span<const ScissorRect> scissors{};  // empty: none; else one for every viewport
+
+    std::array<TargetView, kMaxTargets> color{};  // the first program->targets of them; None: not written
+    TargetView depth{};                           // None: no depth and stencil test
+
+    /// Where a picture of bad derivatives goes: r32ui of the targets' size with one sample, or None. derivatives.h
+    TextureId derivative_report = TextureId::None;
 };
 
-using Command = std::variant<CreateBuffer, CreateTexture, WriteTexture, ClearColor, ClearDepth, GenerateMips, Draw>;
+using Command =
+    std::variant<CreateBuffer, CreateTexture, WriteTexture, ClearColor, ClearDepth, ClearStencil, GenerateMips, Resolve, Draw>;
 
 }  // namespace gnomon

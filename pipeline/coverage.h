@@ -1,8 +1,9 @@
-// Which pixels of a tile a triangle covers: exact edge functions in 32 bits, tested tile, block and wave at a time.
-// D3D11.3 3.4.2
+// Which samples of a tile a triangle covers: exact edge functions in 32 bits, tested tile, block and wave at a time.
+// D3D11.3 3.4.2, 3.5.4
 #pragma once
 
-#include "pipeline/triangle.h"
+#include "pipeline/primitive.h"
+#include "pipeline/samples.h"
 #include "pipeline/wave.h"
 
 #include <algorithm>
@@ -10,40 +11,67 @@
 
 namespace gnomon {
 
-/// The edges of a triangle relative to one tile. An edge that crosses the tile has |value| <= 63 (|a| + |b|) < 2^31 at every
-/// pixel of it, so 32 bits are exact; an edge that the whole tile is inside of is dropped (a = b = value = 0).
+/// The edges of a triangle relative to one tile, at the sample 0 of its pixels. An edge that crosses the tile has
+/// |value| <= 64 (|a| + |b|) < 2^31 at every sample of it, as |a| and |b| are at most 65534 * 256, so 32 bits are exact; an
+/// edge that the whole tile is inside of is dropped (a = b = value = 0).
 struct TileEdges {
     std::array<std::int32_t, 3> a;
     std::array<std::int32_t, 3> b;
-    std::array<std::int32_t, 3> value;  // at the tile's first pixel
-    bool outside = false;               // no pixel of the tile is covered
+    std::array<std::int32_t, 3> value;  // at sample 0 of the tile's first pixel
+    bool outside = false;               // no sample of the tile is covered
+    // Values at the other samples, less `value`, and the extremes of that over the samples.
+    std::array<std::array<std::int32_t, kMaxSamples>, 3> at_sample;
+    std::array<std::int32_t, 3> least{};
+    std::array<std::int32_t, 3> most{};
 
-    TileEdges(const std::array<Edge, 3>& edges, int tile_x, int tile_y) {
+    TileEdges(const std::array<Edge, 3>& edges, const SamplePattern& pattern, int tile_x, int tile_y) {
         constexpr std::int64_t kReach = kTileSize - 1;
+        const auto samples = static_cast<std::size_t>(pattern.count);
         for (std::size_t i = 0; i < 3; ++i) {
             const Edge& e = edges[i];
-            const std::int64_t origin = std::int64_t{e.a} * tile_x + std::int64_t{e.b} * tile_y + e.c;
-            const std::int64_t least = origin + (std::min(e.a, 0) + std::int64_t{std::min(e.b, 0)}) * kReach;
-            const std::int64_t most = origin + (std::max(e.a, 0) + std::int64_t{std::max(e.b, 0)}) * kReach;
-            if (most < 0) outside = true;
-            const bool inside = least >= 0;
-            a[i] = inside ? 0 : e.a;
-            b[i] = inside ? 0 : e.b;
-            value[i] = inside || most < 0 ? 0 : static_cast<std::int32_t>(origin);
+            const std::int64_t origin = std::int64_t{e.a} * tile_x + std::int64_t{e.b} * tile_y;
+            const auto constant = [&](std::size_t s) {
+                return e.at_sample(pattern.at[s].x * kSampleGrid, pattern.at[s].y * kSampleGrid);
+            };
+            const std::int64_t first = constant(0);
+            std::int64_t low = first;
+            std::int64_t high = first;
+            for (std::size_t s = 1; s < samples; ++s) {
+                const std::int64_t c = constant(s);
+                low = std::min(low, c);
+                high = std::max(high, c);
+                at_sample[i][s] = static_cast<std::int32_t>(c - first);
+            }
+            const bool inside = origin + low + (std::min(e.a, 0) + std::int64_t{std::min(e.b, 0)}) * kReach >= 0;
+            if (origin + high + (std::max(e.a, 0) + std::int64_t{std::max(e.b, 0)}) * kReach < 0) outside = true;
+            if (inside || outside) {
+                a[i] = b[i] = value[i] = 0;
+                at_sample[i].fill(0);
+                continue;
+            }
+            a[i] = e.a;
+            b[i] = e.b;
+            value[i] = static_cast<std::int32_t>(origin + first);
+            least[i] = static_cast<std::int32_t>(low - first);
+            most[i] = static_cast<std::int32_t>(high - first);
         }
     }
 };
 
 /// The same edges relative to one 8x8 block.
 struct BlockEdges {
-    std::array<std::int32_t, 3> value;  // at the block's first pixel
-    bool outside = false;
+    std::array<std::int32_t, 3> value;  // at sample 0 of the block's first pixel
+    bool outside = false;               // no sample of the block is covered
+    bool inside = true;                 // every one is
 
     BlockEdges(const TileEdges& tile, int dx, int dy) {
+        constexpr std::int32_t kReach = kBlockSize - 1;
         for (std::size_t i = 0; i < 3; ++i) {
             value[i] = tile.value[i] + tile.a[i] * dx + tile.b[i] * dy;
-            const std::int32_t most = value[i] + (std::max(tile.a[i], 0) + std::max(tile.b[i], 0)) * (kBlockSize - 1);
-            outside = outside || most < 0;
+            const std::int32_t rise = (std::max(tile.a[i], 0) + std::max(tile.b[i], 0)) * kReach;
+            const std::int32_t fall = (std::min(tile.a[i], 0) + std::min(tile.b[i], 0)) * kReach;
+            outside = outside || value[i] + tile.most[i] + rise < 0;
+            inside = inside && value[i] + tile.least[i] + fall >= 0;
         }
     }
 };
@@ -57,9 +85,19 @@ struct LaneSteps {
     }
 };
 
-/// Lanes inside all three edges, for the row of quads at (dx, dy) inside a block.
-inline std::uint32_t coverage(const TileEdges& tile, const BlockEdges& block, const LaneSteps& lanes, int dx, int dy) {
+/// The three edge functions at sample 0 of the row of quads at (dx, dy) inside a block.
+inline std::array<Int, 3> edge_values(const TileEdges& tile, const BlockEdges& block, const LaneSteps& lanes, int dx, int dy) {
     const auto value = [&](std::size_t i) { return Int(block.value[i] + tile.a[i] * dx + tile.b[i] * dy) + lanes.step[i]; };
+    return {value(0), value(1), value(2)};
+}
+
+/// Lanes whose sample 0 is inside all three edges.
+inline std::uint32_t coverage(const std::array<Int, 3>& values) {
+    return ((values[0] | values[1] | values[2]) >= Int(0)).bits();
+}
+/// Lanes whose sample s > 0 is.
+inline std::uint32_t coverage(const std::array<Int, 3>& values, const TileEdges& tile, std::size_t s) {
+    const auto value = [&](std::size_t i) { return values[i] + Int(tile.at_sample[i][s]); };
     return ((value(0) | value(1) | value(2)) >= Int(0)).bits();
 }
 

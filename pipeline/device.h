@@ -3,24 +3,19 @@
 
 #include "pipeline/command.h"
 #include "pipeline/program.h"
-#include "sim/counters.h"
+#include "pipeline/resources.h"
+#include "pipeline/traffic.h"
 #include "sim/parallel.h"
 #include "sim/profile.h"
 
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <vector>
 
 namespace gnomon {
 
 struct DrawScratch;  // draw.h
-
-struct Buffer {
-    std::string label;
-    std::vector<std::byte> data;
-};
 
 class Device {
 public:
@@ -43,16 +38,22 @@ public:
     TextureId create_texture(std::string_view label, const TextureDesc& desc);
 
     /// Throws Error for an id that was never created.
-    [[nodiscard]] const Texture& texture(TextureId id) const;
-    [[nodiscard]] const Buffer& buffer(BufferId id) const;
+    [[nodiscard]] const Texture& texture(TextureId id) const { return resources_.texture(id); }
+    [[nodiscard]] const Buffer& buffer(BufferId id) const { return resources_.buffer(id); }
 
     /// Where `stop` becomes true, the draw under way ends at the next tile and execute() throws Stopped; targets are unfinished
     /// then.
     void set_stop(const std::atomic<bool>* stop) { stop_ = stop; }
 
-    /// Counting is off until asked for. Counters add up over draws until taken.
+    /// Counting is off until asked for. Counts add up over commands until taken.
     void enable_counters(bool enabled) { counting_ = enabled; }
-    Counters take_counters() { return std::exchange(counters_, {}); }
+    Counters take_counters() { return take_tally().counters; }
+    Tally take_tally() { return std::exchange(tally_, {}); }
+    /// The bytes of every resource that a tally names, textures first, in the order of creation.
+    [[nodiscard]] std::vector<ResourceTraffic> traffic(const Tally& tally) const;
+
+    /// Bytes that draws hold on to between calls, for reports: bounded, whatever is drawn. docs/performance.md
+    [[nodiscard]] std::size_t scratch_bytes() const;
 
 private:
     void run(const CreateBuffer& command);
@@ -60,19 +61,20 @@ private:
     void run(const WriteTexture& command);
     void run(const ClearColor& command);
     void run(const ClearDepth& command);
+    void run(const ClearStencil& command);
     void run(const GenerateMips& command);
+    void run(const Resolve& command);
     void run(const Draw& command);
-    Texture& mutable_texture(TextureId id);
+    void count_fill(const TargetView& view, const Texture& texture, std::uint64_t bytes);
 
     Profile profile_;
     Workers workers_;
-    std::vector<std::unique_ptr<Buffer>> buffers_;    // [id - 1]
-    std::vector<std::unique_ptr<Texture>> textures_;  // [id - 1]
+    Resources resources_;
     std::function<void(const Command&)> observer_;
     std::unique_ptr<DrawScratch> scratch_;
     const std::atomic<bool>* stop_ = nullptr;
     bool counting_ = false;
-    Counters counters_;
+    Tally tally_;
 };
 
 }  // namespace gnomon

@@ -1,16 +1,17 @@
 // What a pixel functor sees: interpolated inputs, derivatives, textures, and the profile's arithmetic.
 #pragma once
 
+#include "pipeline/command.h"
+#include "pipeline/derivatives.h"
+#include "pipeline/traffic.h"
 #include "pipeline/wave.h"
-#include "sim/counters.h"
+#include "sim/error.h"
 #include "sim/math.h"
 #include "sim/profile.h"
 #include "sim/quad.h"
 #include "sim/vec.h"
 #include "texunit/aniso.h"
 #include "texunit/sample.h"
-
-#include "pipeline/command.h"
 
 #include <memory>
 #include <span>
@@ -20,69 +21,139 @@ namespace gnomon {
 /// Textures by id, as the device holds them.
 using TextureTable = std::span<const std::unique_ptr<Texture>>;
 
+/// What every run of a functor in a draw shares.
+struct PixelEnvironment {
+    TextureTable textures;
+    const Profile* profile = nullptr;
+    bool reports_derivatives = false;
+};
+
+/// The system values of one run. D3D11.3 chapter 23
+struct PixelSystemValues {
+    std::uint32_t primitive_id = 0;
+    std::uint32_t layer = 0;
+    std::uint32_t viewport = 0;
+    bool front = true;
+    int sample = -1;  // the sample it runs for; -1: for the whole pixel
+    int samples = 1;  // of the targets
+};
+
+/// Which texel `load` reads. Out of range reads as 0.
+struct TexelPlace {
+    int level = 0;
+    int layer = 0;
+    int sample = 0;
+};
+
 template <class RealType, class VaryingsType>
 class FragmentContext {
 public:
     using Real = RealType;
 
-    FragmentContext(const VaryingsType& inputs, const Vec4<Real>& fragment_position, std::uint32_t active,
-                    TextureTable textures, const Profile& profile, Counters* counters)
+    FragmentContext(const VaryingsType& inputs, const Vec4<Real>& fragment_position, const PixelSystemValues& system,
+                    const Wave& wave, const PixelEnvironment& environment, LaneFlow& flow, DerivativeCauses& causes,
+                    Tally* tally)
         : in(inputs),
           position(fragment_position),
-          textures_(textures),
-          profile_(profile),
-          active_(active),
-          counters_(counters) {}
+          system_(system),
+          wave_(wave),
+          environment_(environment),
+          flow_(flow),
+          causes_(causes),
+          tally_(tally) {}
 
     const VaryingsType& in;
-    const Vec4<Real>& position;  // pixel centre, depth, w
+    const Vec4<Real>& position;  // pixel centre (the sample's position where the functor runs per sample), depth, w
+
+    [[nodiscard]] bool front_facing() const { return system_.front; }
+    [[nodiscard]] std::uint32_t primitive_id() const { return system_.primitive_id; }
+    [[nodiscard]] std::uint32_t layer() const { return system_.layer; }
+    [[nodiscard]] std::uint32_t viewport() const { return system_.viewport; }
+    /// 0 where the functor runs for the whole pixel.
+    [[nodiscard]] int sample_index() const { return system_.sample < 0 ? 0 : system_.sample; }
+    /// Bit s: sample s of the pixel is covered and in the sample mask; 0 in helper pixels. D3D11.3 16.3.2
+    [[nodiscard]] Int coverage() const {
+        if (system_.samples == 1) return select(Mask::from_bits(wave_.covered), Int(1), Int(0));
+        Int bits(0);
+        for (int s = 0; s < system_.samples; ++s)
+            bits = bits | select(Mask::from_bits(wave_.samples[static_cast<std::size_t>(s)]), Int(1 << s), Int(0));
+        return bits;
+    }
+
+    /// The lanes in `mask` write nothing; they go on as helpers. The functor says `static constexpr bool discards = true`.
+    /// D3D11.3 22.5.1
+    void discard(Mask mask) const { flow_.killed |= mask.bits() & flow_.branch; }
+    /// Runs `body` for the lanes in `mask`, if there are any: what `if` is in a shading language. Lanes outside compute along,
+    /// so the body keeps what it wants with select().
+    template <class Body>
+    void branch(Mask mask, const Body& body) const {
+        const std::uint32_t outer = flow_.branch;
+        flow_.branch &= mask.bits();
+        if ((flow_.branch & flow_.covered) != 0) body();
+        flow_.branch = outer;
+    }
 
     /// Texture sampling with the level of detail of the quad's derivatives. D3D11.3 22.4.15
     Vec4<Real> sample(TextureId id, const Sampler& sampler, const Vec2<Real>& uv,
                       const SampleOperands<Real>& operands = {}) const {
-        const Texture& texture = this->texture(id);
+        const Texture& texture = sampled(id);
         const LevelOfDetail<Real> lod = needs_lod(sampler) ? quad_lod(texture, sampler, uv) : LevelOfDetail<Real>(Real(0.0f));
-        return count_and_sample(texture, sampler, uv, lod, operands);
+        return count_and_sample(id, texture, sampler, uv, lod, operands);
     }
     /// With the shader's own derivatives. D3D11.3 22.4.17
     Vec4<Real> sample_gradient(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Gradients<Real>& gradients,
                                const SampleOperands<Real>& operands = {}) const {
-        const Texture& texture = this->texture(id);
-        return count_and_sample(texture, sampler, uv, level_of_detail(gradients, texture, sampler, profile_), operands);
+        const Texture& texture = sampled(id);
+        return count_and_sample(id, texture, sampler, uv, level_of_detail(gradients, texture, sampler, profile()), operands);
     }
     /// With the shader's own level of detail. D3D11.3 22.4.18
     Vec4<Real> sample_level(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& lod,
                             const SampleOperands<Real>& operands = {}) const {
-        return count_and_sample(texture(id), sampler, uv, LevelOfDetail<Real>(lod), operands);
+        return count_and_sample(id, sampled(id), sampler, uv, LevelOfDetail<Real>(lod), operands);
     }
     /// Comparison at level 0. D3D11.3 22.4.20
     Real sample_compare(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference) const {
-        const Texture& texture = this->texture(id);
+        const Texture& texture = sampled(id);
         const LevelOfDetail<Real> top(Real(0.0f));
-        count_sample(texture, sampler, uv, top, {});
-        return gnomon::sample_compare(TextureView(texture), sampler, profile_, uv, reference, top);
+        count_sample(id, texture, sampler, uv, top, {});
+        return gnomon::sample_compare(TextureView(texture), sampler, profile(), uv, reference, top);
     }
     /// Four texels of one component, unfiltered. D3D11.3 22.4.2
     Vec4<Real> gather(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, int component = 0,
                       const glm::ivec2& offset = {0, 0}) const {
-        count_gather();
-        return gnomon::gather(TextureView(texture(id)), sampler, profile_, Vec3<Real>{uv.x, uv.y, Real(0.0f)}, component,
-                              offset);
+        const Texture& texture = sampled(id);
+        count_texels(id, texture, 4);
+        return gnomon::gather(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, component, offset);
     }
     /// Four comparisons. D3D11.3 22.4.3
     Vec4<Real> gather_compare(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference,
                               const glm::ivec2& offset = {0, 0}) const {
-        count_gather();
-        return gnomon::gather_compare(TextureView(texture(id)), sampler, profile_, Vec3<Real>{uv.x, uv.y, Real(0.0f)},
-                                      reference, offset);
+        const Texture& texture = sampled(id);
+        count_texels(id, texture, 4);
+        return gnomon::gather_compare(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, reference,
+                                      offset);
+    }
+    /// One texel or sample, unfiltered. D3D11.3 22.4.6 (ld), 22.4.7 (ld2dms)
+    Vec4<Real> load(TextureId id, Int x, Int y, const TexelPlace& place = {}) const {
+        const Texture& texture = this->texture(id);
+        const TextureDesc& desc = texture.desc();
+        const bool inside = place.level >= 0 && place.level < desc.levels && place.layer >= 0 && place.layer < desc.layers &&
+                            place.sample >= 0 && place.sample < desc.samples;
+        count_texels(id, texture, 1);
+        if (inside) return load_texel<Real>(texture, x, y, place.level, place.layer * desc.samples + place.sample);
+        return load_texel<Real>(texture, Int(-1), Int(-1), 0);
     }
     /// Width and height of level 0, texels.
     [[nodiscard]] glm::ivec2 size(TextureId id) const { return {texture(id).width(0), texture(id).height(0)}; }
+    [[nodiscard]] int samples(TextureId id) const { return texture(id).desc().samples; }
 
-    Real ddx(const Real& x) const { return count_derivative(), ddx_coarse(x); }
-    Real ddy(const Real& x) const { return count_derivative(), ddy_coarse(x); }
-    Real ddx_fine(const Real& x) const { return count_derivative(), gnomon::ddx_fine(x); }
-    Real ddy_fine(const Real& x) const { return count_derivative(), gnomon::ddy_fine(x); }
+    /// As the profile has them where the shader does not say which. D3D11.3 22.5.2 (coarse), 22.5.4 (fine)
+    Real ddx(const Real& x) const { return profile().plain_derivative == PlainDerivative::Fine ? ddx_fine(x) : ddx_coarse(x); }
+    Real ddy(const Real& x) const { return profile().plain_derivative == PlainDerivative::Fine ? ddy_fine(x) : ddy_coarse(x); }
+    Real ddx_coarse(const Real& x) const { return note_derivative(), gnomon::ddx_coarse(x, profile().derivative_corner); }
+    Real ddy_coarse(const Real& x) const { return note_derivative(), gnomon::ddy_coarse(x, profile().derivative_corner); }
+    Real ddx_fine(const Real& x) const { return note_derivative(), gnomon::ddx_fine(x); }
+    Real ddy_fine(const Real& x) const { return note_derivative(), gnomon::ddy_fine(x); }
 
     Real rcp(const Real& x) const { return gnomon::rcp(x); }
     Real rsqrt(const Real& x) const { return gnomon::rsqrt(x); }
@@ -90,49 +161,63 @@ public:
     Real log2(const Real& x) const { return gnomon::log2(x); }
 
 private:
-    [[nodiscard]] const Texture& texture(TextureId id) const { return *textures_[static_cast<std::size_t>(id) - 1]; }
+    [[nodiscard]] const Profile& profile() const { return *environment_.profile; }
+    [[nodiscard]] const Texture& texture(TextureId id) const {
+        return *environment_.textures[static_cast<std::size_t>(id) - 1];
+    }
+    [[nodiscard]] const Texture& sampled(TextureId id) const {
+        const Texture& texture = this->texture(id);
+        if (texture.desc().samples != 1)
+            fail("texture {}: it has {} samples per texel and can only be loaded from, not sampled",
+                 static_cast<std::size_t>(id), texture.desc().samples);
+        return texture;
+    }
 
     static bool needs_lod(const Sampler& sampler) {
         return sampler.mip != MipFilter::Base || sampler.min != sampler.mag || sampler.max_anisotropy > 1;
     }
 
     LevelOfDetail<Real> quad_lod(const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv) const {
-        count_derivative();
-        return level_of_detail(quad_gradients(uv, profile_), TextureView(texture), sampler, profile_);
+        note_derivative();
+        return level_of_detail(quad_gradients(uv, profile()), TextureView(texture), sampler, profile());
     }
 
-    Vec4<Real> count_and_sample(const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv,
+    Vec4<Real> count_and_sample(TextureId id, const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv,
                                 const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
-        count_sample(texture, sampler, uv, lod, operands);
-        return gnomon::sample(TextureView(texture), sampler, profile_, uv, lod, operands);
+        count_sample(id, texture, sampler, uv, lod, operands);
+        return gnomon::sample(TextureView(texture), sampler, profile(), uv, lod, operands);
     }
 
-    void count_sample(const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv, const LevelOfDetail<Real>& lod,
-                      const SampleOperands<Real>& operands) const {
-        if (counters_ == nullptr) return;
-        const SampleCost cost =
-            sample_cost(TextureView(texture), sampler, profile_, Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod, operands, active_);
-        counters_->texture_instructions += static_cast<std::uint64_t>(std::popcount(active_));
-        counters_->texture_probes += cost.probes;
-        counters_->texels_fetched += cost.texels;
+    void count_sample(TextureId id, const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv,
+                      const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
+        if (tally_ == nullptr) return;
+        const SampleCost cost = sample_cost(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod,
+                                            operands, flow_.active());
+        tally_->counters.texture_instructions += static_cast<std::uint64_t>(std::popcount(flow_.active()));
+        tally_->counters.texture_probes += cost.probes;
+        tally_->counters.texels_fetched += cost.texels;
+        tally_->read(id, cost.texels * texel_bytes(texture.info()));
     }
-    void count_gather() const {
-        if (counters_ == nullptr) return;
-        const auto lanes = static_cast<std::uint64_t>(std::popcount(active_));
-        counters_->texture_instructions += lanes;
-        counters_->texels_fetched += 4 * lanes;
+    void count_texels(TextureId id, const Texture& texture, std::uint64_t per_lane) const {
+        if (tally_ == nullptr) return;
+        const auto lanes = static_cast<std::uint64_t>(std::popcount(flow_.active()));
+        tally_->counters.texture_instructions += lanes;
+        tally_->counters.texels_fetched += per_lane * lanes;
+        tally_->read(id, per_lane * lanes * texel_bytes(texture.info()));
     }
-    /// Lanes that count and share their quad with a lane that does not.
-    void count_derivative() const {
-        if (counters_ == nullptr) return;
-        const std::uint32_t with_helper = quad_any(~active_ & kAllLanes);
-        counters_->invalid_derivatives += static_cast<std::uint64_t>(std::popcount(active_ & with_helper));
+    void note_derivative() const {
+        if (tally_ == nullptr && !environment_.reports_derivatives) return;
+        const DerivativeCauses causes = flow_.causes();
+        causes_ |= causes;
+        if (tally_ != nullptr) count_derivative(tally_->counters, flow_, causes);
     }
 
-    TextureTable textures_;
-    const Profile& profile_;
-    std::uint32_t active_;
-    Counters* counters_;
+    const PixelSystemValues& system_;
+    const Wave& wave_;
+    const PixelEnvironment& environment_;
+    LaneFlow& flow_;
+    DerivativeCauses& causes_;
+    Tally* tally_;
 };
 
 }  // namespace gnomon

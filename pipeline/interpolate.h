@@ -1,72 +1,188 @@
-// Values at pixel centres from the planes of a triangle. D3D11.3 15.16.2, 3.5.6
+// Values at pixels and samples from the planes of a primitive. D3D11.3 15.16.2, 16.4, 3.5.5
 //
-// Depth and the barycentrics of vertices 1 and 2 are planes in (dx, dy), the exact offset of the pixel centre from vertex 0.
-// The specification leaves the rounding of plane equations open; barycentrics keep constant attributes constant.
+// Depth and the barycentrics of vertices 1 and 2 are planes in (dx, dy), the exact offset from vertex 0. The specification
+// leaves the rounding of plane equations open; barycentrics keep constant attributes constant.
 #pragma once
 
-#include "pipeline/triangle.h"
+#include "pipeline/primitive.h"
+#include "pipeline/samples.h"
 #include "pipeline/wave.h"
 #include "sim/double_lanes.h"
 
 namespace gnomon {
 
-/// Exact offsets of pixel centres from vertex 0, in pixels.
+/// How a varying is carried to the pixel functor. D3D11.3 16.4
+enum class Interpolation : std::uint8_t {
+    Perspective,          // "linear": of attribute / w and 1 / w, at the pixel centre
+    PerspectiveCentroid,  // at the centroid. D3D11.3 3.5.5
+    PerspectiveSample,    // at the sample; the functor then runs once per sample. D3D11.3 3.5.4
+    Linear,               // "linear_noperspective": linear on the screen
+    LinearCentroid,
+    LinearSample,
+    Flat,  // "constant": the provoking vertex's. D3D11.3 16.4, 8.14
+};
+
+constexpr bool is_centroid(Interpolation how) {
+    return how == Interpolation::PerspectiveCentroid || how == Interpolation::LinearCentroid;
+}
+constexpr bool is_at_sample(Interpolation how) {
+    return how == Interpolation::PerspectiveSample || how == Interpolation::LinearSample;
+}
+constexpr bool is_linear(Interpolation how) {
+    return how == Interpolation::Linear || how == Interpolation::LinearCentroid || how == Interpolation::LinearSample;
+}
+
+/// A varyings struct names its modes, one per scalar in order, as `static constexpr std::array interpolation{...}`; without it
+/// all are Perspective.
+template <class Varyings>
+constexpr Interpolation interpolation_of(std::size_t scalar) {
+    if constexpr (requires { Varyings::interpolation; }) {
+        return Varyings::interpolation[scalar];
+    } else {
+        (void)scalar;
+        return Interpolation::Perspective;
+    }
+}
+
+/// Exact offsets of positions from vertex 0, in pixels.
 template <class Real>
 struct PixelOffset {
     Real dx, dy;
 };
 
+/// Of the position (x, y) in 1/256 of each pixel.
 template <class Real>
-PixelOffset<Real> pixel_offset(const Wave& wave, std::int32_t x0, std::int32_t y0) {
-    const Int x = shift_left<kSubpixelBits>(wave.x) + Int(kSubpixels / 2 - x0);
-    const Int y = shift_left<kSubpixelBits>(wave.y) + Int(kSubpixels / 2 - y0);
+PixelOffset<Real> pixel_offset(const Wave& wave, Int x, Int y, std::int32_t x0, std::int32_t y0) {
     const Real subpixel(1.0f / kSubpixels);
-    return {Real(x) * subpixel, Real(y) * subpixel};
+    return {Real(shift_left<kSubpixelBits>(wave.x) + (x - Int(x0))) * subpixel,
+            Real(shift_left<kSubpixelBits>(wave.y) + (y - Int(y0))) * subpixel};
+}
+template <class Real>
+PixelOffset<Real> centre_offset(const Wave& wave, std::int32_t x0, std::int32_t y0) {
+    return pixel_offset<Real>(wave, Int(kSubpixels / 2), Int(kSubpixels / 2), x0, y0);
+}
+template <class Real>
+PixelOffset<Real> sample_offset(const Wave& wave, const SamplePosition& at, std::int32_t x0, std::int32_t y0) {
+    return pixel_offset<Real>(wave, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
+}
+
+/// The centroid: the centre of pixels that are covered whole, else the first covered sample; in helper pixels the first sample
+/// of a partial sample mask, else the centre. D3D11.3 3.5.5
+template <class Real>
+PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern, std::uint32_t sample_mask, std::int32_t x0,
+                                  std::int32_t y0) {
+    const Int centre(kSubpixels / 2);
+    Int x = centre;
+    Int y = centre;
+    const bool partial = (sample_mask & pattern.all()) != pattern.all();
+    if (partial && (sample_mask & pattern.all()) != 0) {
+        const SamplePosition& first = pattern.at[static_cast<std::size_t>(std::countr_zero(sample_mask))];
+        x = Int(first.x * kSampleGrid);
+        y = Int(first.y * kSampleGrid);
+    }
+    std::uint32_t whole = kAllLanes;
+    for (int s = pattern.count - 1; s >= 0; --s) {
+        const auto i = static_cast<std::size_t>(s);
+        const Mask covered = Mask::from_bits(wave.samples[i]);
+        whole &= wave.samples[i];
+        x = select(covered, Int(pattern.at[i].x * kSampleGrid), x);
+        y = select(covered, Int(pattern.at[i].y * kSampleGrid), y);
+    }
+    const Mask all = Mask::from_bits(whole);
+    return pixel_offset<Real>(wave, select(all, centre, x), select(all, centre, y), x0, y0);
 }
 
 template <class Real, class Scalar>
-Real interpolate_depth(const Triangle<Scalar>& t, const PixelOffset<Real>& p) {
-    return Real(t.z0) + (p.dx * Real(t.z_dx) + p.dy * Real(t.z_dy));
+Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+    return Real(p.z0) + (at.dx * Real(p.z_dx) + at.dy * Real(p.z_dy));
 }
 
-/// The same expression at one point. Each operation rounds monotonically, so its extremes over a rectangle are at the corners.
+/// The same expression at one point, in 1/256 pixel. Each operation rounds monotonically, so its extremes over a rectangle are
+/// at the corners.
 template <class Scalar>
-Scalar depth_at(const Triangle<Scalar>& t, int x, int y) {
-    const auto offset = [](int pixel, std::int32_t origin) {
-        return static_cast<Scalar>(pixel * kSubpixels + kSubpixels / 2 - origin) * Scalar(1.0 / kSubpixels);
+Scalar depth_at(const Primitive<Scalar>& p, std::int32_t x, std::int32_t y) {
+    const auto offset = [](std::int32_t position, std::int32_t origin) {
+        return static_cast<Scalar>(position - origin) * Scalar(1.0 / kSubpixels);
     };
-    return t.z0 + (offset(x, t.x0) * t.z_dx + offset(y, t.y0) * t.z_dy);
+    return p.z0 + (offset(x, p.x0) * p.z_dx + offset(y, p.y0) * p.z_dy);
 }
 
-/// Perspective-correct barycentrics of vertices 1 and 2, and w.
+/// Barycentrics of vertices 1 and 2: linear on the screen, and perspective-correct with w.
+template <class Real>
+struct LinearBarycentrics {
+    Real l1, l2;
+};
 template <class Real>
 struct Barycentrics {
     Real b1, b2, w;
 };
 
 template <class Real, class Scalar>
-Barycentrics<Real> interpolate_barycentrics(const Triangle<Scalar>& t, const PixelOffset<Real>& p) {
-    const Real l1 = p.dx * Real(t.l1_dx) + p.dy * Real(t.l1_dy);
-    const Real l2 = p.dx * Real(t.l2_dx) + p.dy * Real(t.l2_dy);
-    const Real inv_w = Real(t.inv_w[0]) + (l1 * Real(t.inv_w[1] - t.inv_w[0]) + l2 * Real(t.inv_w[2] - t.inv_w[0]));
-    const Real w = Real(Scalar(1)) / inv_w;
-    return {l1 * Real(t.inv_w[1]) * w, l2 * Real(t.inv_w[2]) * w, w};
+LinearBarycentrics<Real> interpolate_linear(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+    return {at.dx * Real(p.l1_dx) + at.dy * Real(p.l1_dy), at.dx * Real(p.l2_dx) + at.dy * Real(p.l2_dy)};
 }
+template <class Real, class Scalar>
+Barycentrics<Real> interpolate_barycentrics(const Primitive<Scalar>& p, const LinearBarycentrics<Real>& l) {
+    const Real inv_w = Real(p.inv_w[0]) + (l.l1 * Real(p.inv_w[1] - p.inv_w[0]) + l.l2 * Real(p.inv_w[2] - p.inv_w[0]));
+    const Real w = Real(Scalar(1)) / inv_w;
+    return {l.l1 * Real(p.inv_w[1]) * w, l.l2 * Real(p.inv_w[2]) * w, w};
+}
+
+/// A position that varyings are evaluated at.
+template <class Real>
+struct EvaluationPoint {
+    LinearBarycentrics<Real> linear;
+    Barycentrics<Real> perspective;
+};
+
+template <class Real, class Scalar>
+EvaluationPoint<Real> evaluation_point(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+    const LinearBarycentrics<Real> linear = interpolate_linear(p, at);
+    return {linear, interpolate_barycentrics(p, linear)};
+}
+
+/// The positions that the modes of a struct of varyings ask for; the others are not set.
+template <class Real>
+struct EvaluationPoints {
+    EvaluationPoint<Real> centre;
+    EvaluationPoint<Real> centroid;
+    EvaluationPoint<Real> sample;
+};
 
 /// Varyings of a wave as the pixel functor sees them; `Varyings` is a struct of Reals.
 template <class Varyings, class Real, class Scalar>
-Varyings interpolate_varyings(const Triangle<Scalar>& t, const Barycentrics<Real>& b) {
+Varyings interpolate_varyings(const Primitive<Scalar>& p, const EvaluationPoints<Real>& points) {
     if constexpr (std::is_empty_v<Varyings>) {
         return Varyings{};
     } else {
         static_assert(sizeof(Varyings) % sizeof(Real) == 0);
         std::array<Real, sizeof(Varyings) / sizeof(Real)> values;
         for (std::size_t i = 0; i < values.size(); ++i) {
-            const Scalar a0 = t.varyings[0][i];
-            values[i] = Real(a0) + (b.b1 * Real(t.varyings[1][i] - a0) + b.b2 * Real(t.varyings[2][i] - a0));
+            const Interpolation how = interpolation_of<Varyings>(i);
+            if (how == Interpolation::Flat) {
+                values[i] = Real(p.flat[i]);
+                continue;
+            }
+            const EvaluationPoint<Real>& at = is_at_sample(how)  ? points.sample
+                                              : is_centroid(how) ? points.centroid
+                                                                 : points.centre;
+            const Scalar a0 = p.varyings[0][i];
+            const Real d1(p.varyings[1][i] - a0);
+            const Real d2(p.varyings[2][i] - a0);
+            values[i] = is_linear(how) ? Real(a0) + (at.linear.l1 * d1 + at.linear.l2 * d2)
+                                       : Real(a0) + (at.perspective.b1 * d1 + at.perspective.b2 * d2);
         }
         return std::bit_cast<Varyings>(values);
     }
+}
+
+/// The modes that decide how a functor is run.
+template <class Varyings, class Real>
+constexpr bool any_interpolation(bool (*is)(Interpolation)) {
+    bool found = false;
+    if constexpr (!std::is_empty_v<Varyings>)
+        for (std::size_t i = 0; i < sizeof(Varyings) / sizeof(Real); ++i) found = found || is(interpolation_of<Varyings>(i));
+    return found;
 }
 
 }  // namespace gnomon

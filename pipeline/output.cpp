@@ -5,15 +5,67 @@
 
 namespace gnomon {
 
+namespace {
+
+/// What is stored with some components replaced by what is new: bit c of `components` names component c.
+template <class AnyCodec>
+typename AnyCodec::Words merge_components(const typename AnyCodec::Words& fresh, const typename AnyCodec::Words& stored,
+                                          int components) {
+    std::array<std::uint32_t, AnyCodec::kWords> bits{};
+    for (std::size_t c = 0; c < AnyCodec::kComponents; ++c)
+        if ((components >> c & 1) != 0) AnyCodec::add_component_bits(bits, c);
+    typename AnyCodec::Words merged;
+    for (std::size_t w = 0; w < AnyCodec::kWords; ++w) {
+        const Int mask(static_cast<std::int32_t>(bits[w]));
+        merged[w] = (fresh[w] & mask) | (stored[w] & ~mask);
+    }
+    return merged;
+}
+
+}  // namespace
+
+ColorTarget::ColorTarget(Texture& target, const TargetView& where, const BlendState& how)
+    : texture(&target),
+      view(where),
+      state(how),
+      pitch(target.table().pitch[static_cast<std::size_t>(where.level)]),
+      plane(target.layer_stride()),
+      width(target.width(where.level)) {
+    const int every = (1 << target.info().components) - 1;
+    merges = how.enable || (how.write_mask & every) != every;
+    set_layer(0);
+}
+
 template <class Real>
-void write_color(Texture& target, const Wave& wave, std::uint32_t mask, const Vec4<Real>& color, const Profile& profile) {
-    with_codec(target.desc().format, [&]<class AnyCodec>(AnyCodec) {
-        const auto texel = truncate<AnyCodec::kComponents>(color);
-        const SpilledTexels<AnyCodec> spilled(AnyCodec::encode(texel, profile.float_narrowing));
-        const std::ptrdiff_t pitch = target.table().pitch[0];
+void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask, int s, const OutputColors<Real>& colors,
+                 const Profile& profile) {
+    std::byte* base = target.base + std::ptrdiff_t{target.plane} * s;
+    with_codec(target.texture->desc().format, [&]<class AnyCodec>(AnyCodec) {
+        constexpr std::size_t kCount = AnyCodec::kComponents;
+        typename AnyCodec::Words words;
+        if (target.merges) {
+            // Lanes past the last quad repeat the first, lanes past the target's edge read what lies there: padding.
+            const Int offset = wave.y * Int(target.pitch) + wave.x * Int(AnyCodec::kBytes);
+            const auto stored = AnyCodec::load(base, offset);
+            Vec4<Real> color = colors.color;
+            if (target.state.enable) {
+                const Vec4<Real> dst = expand(AnyCodec::template decode<Real>(stored));
+                const glm::vec4& k = colors.constant;
+                color = blend(BlendInput<Real>{color, colors.second, dst, {Real(k.x), Real(k.y), Real(k.z), Real(k.w)}},
+                              target.state, blend_range(target.texture->info().type));
+            }
+            words = merge_components<AnyCodec>(AnyCodec::encode(truncate<kCount>(color), profile.float_narrowing), stored,
+                                               target.state.write_mask);
+        } else {
+            words = AnyCodec::encode(truncate<kCount>(colors.color), profile.float_narrowing);
+        }
+
+        const SpilledTexels<AnyCodec> spilled(words);
+        const std::ptrdiff_t pitch = target.pitch;
         for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
             const std::uint32_t lanes = mask >> (4 * q) & 0xfu;
-            std::byte* top = target.row(0, 0) + wave.quad_y[q] * pitch + std::ptrdiff_t{wave.quad_x[q]} * AnyCodec::kBytes;
+            if (lanes == 0) continue;
+            std::byte* top = base + wave.quad_y[q] * pitch + std::ptrdiff_t{wave.quad_x[q]} * AnyCodec::kBytes;
             std::byte* bottom = top + pitch;
             // A whole quad of 32-bit texels is two stores.
             if (AnyCodec::kBytes == 4 && lanes == 0xfu) {
@@ -29,7 +81,7 @@ void write_color(Texture& target, const Wave& wave, std::uint32_t mask, const Ve
     });
 }
 
-template void write_color(Texture&, const Wave&, std::uint32_t, const Vec4<Float>&, const Profile&);
-template void write_color(Texture&, const Wave&, std::uint32_t, const Vec4<Double>&, const Profile&);
+template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Float>&, const Profile&);
+template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Double>&, const Profile&);
 
 }  // namespace gnomon

@@ -4,6 +4,8 @@
 #pragma once
 
 #include "pipeline/command.h"
+#include "pipeline/pixel_stage.h"
+#include "pipeline/vertex_stage.h"
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -16,8 +18,6 @@
 
 namespace gnomon {
 
-struct DrawContext;  // draw.h
-
 /// The value of one constant, for those who look from outside: recorders and debuggers.
 using ConstantValue =
     std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, glm::mat4, std::vector<float>, TextureId, Sampler>;
@@ -27,16 +27,42 @@ struct NamedConstant {
     ConstantValue value;
 };
 
+/// One per arithmetic.
+template <template <class> class Function>
+struct PerArithmetic {
+    Function<Float> fp32 = nullptr;
+    Function<Double> fp64 = nullptr;
+
+    template <class Real>
+    [[nodiscard]] Function<Real> get() const {
+        if constexpr (std::is_same_v<Real, Float>) {
+            return fp32;
+        } else {
+            return fp64;
+        }
+    }
+};
+
+template <class Real>
+using ShadeVertices = void (*)(const void* functor, const VertexFetch&, Workers&, bool flush_denormals,
+                               VertexBlock<typename Real::Scalar>&);
+
 struct Program {
     std::string_view name;
     int vertex_floats = 0;                  // floats per vertex that the vertex functor reads
+    int instance_floats = 0;                // and per instance
     int varyings = 0;                       // values that it hands to the pixel functor
-    int targets = 0;                        // colour targets that the pixel functor writes
+    bool layered = false;                   // its vertices choose array slice and viewport
+    std::vector<std::uint8_t> linear;       // [varying]: linear on the screen; empty: none is
+    PixelTraits pixel;                      // no targets and nothing else for depth-only programs
     std::size_t vertex_constants_size = 0;  // bytes
     std::size_t pixel_constants_size = 0;   // bytes; 0 for depth-only programs
     std::vector<NamedConstant> (*vertex_constants)(std::span<const std::byte>) = nullptr;
     std::vector<NamedConstant> (*pixel_constants)(std::span<const std::byte>) = nullptr;
-    void (*run)(const DrawContext&) = nullptr;
+    PerArithmetic<ShadeVertices> shade_vertices;
+    PerArithmetic<ShadeWave> shade_wave;  // null for depth-only programs
+
+    [[nodiscard]] int targets() const { return pixel.targets; }
 };
 
 /// The bytes of a functor, as a Draw carries them.
@@ -86,6 +112,47 @@ std::vector<NamedConstant> named_constants(std::span<const std::byte> bytes) {
         detail::append_constant(constants, std::string(name), value);
     });
     return constants;
+}
+
+/// The program made of two functors. Call it in the .cpp of the technique, so that both are compiled there once.
+template <class VertexFunctor, class PixelFunctor = NoPixelFunctor>
+Program make_program(std::string_view name) {
+    using Input = typename VertexFunctor::template Input<Float>;
+    using InstanceInput = typename InstanceInputOf<VertexFunctor, Float>::type;
+    using Varyings = typename VertexFunctor::template Varyings<Float>;
+    using Result =
+        decltype(std::declval<const VertexFunctor&>()(std::declval<const VertexContext<Float, Input, InstanceInput>&>()));
+    constexpr std::size_t kVaryings = kRealCount<Varyings, Float>;
+    const auto shade_vertices_of = []<class Real>(std::type_identity<Real>) -> ShadeVertices<Real> {
+        return [](const void* functor, const VertexFetch& fetch, Workers& workers, bool flush_denormals,
+                  VertexBlock<typename Real::Scalar>& out) {
+            shade_vertices<Real>(*static_cast<const VertexFunctor*>(functor), fetch, workers, flush_denormals, out);
+        };
+    };
+    Program program{
+        .name = name,
+        .vertex_floats = static_cast<int>(kRealCount<Input, Float>),
+        .instance_floats = static_cast<int>(kRealCount<InstanceInput, Float>),
+        .varyings = static_cast<int>(kVaryings),
+        .layered = kIsLayered<Result>,
+        .linear = {},
+        .pixel = pixel_traits<VertexFunctor, PixelFunctor>(),
+        .vertex_constants_size = sizeof(VertexFunctor),
+        .pixel_constants_size = 0,
+        .vertex_constants = &named_constants<VertexFunctor>,
+        .pixel_constants = nullptr,
+        .shade_vertices = {shade_vertices_of(std::type_identity<Float>{}), shade_vertices_of(std::type_identity<Double>{})},
+        .shade_wave = {}};
+    if constexpr (kVaryings > 0 && any_interpolation<Varyings, Float>(is_linear))
+        for (std::size_t i = 0; i < kVaryings; ++i)
+            program.linear.push_back(static_cast<std::uint8_t>(is_linear(interpolation_of<Varyings>(i))));
+    if constexpr (!std::is_same_v<PixelFunctor, NoPixelFunctor>) {
+        program.pixel_constants_size = sizeof(PixelFunctor);
+        program.pixel_constants = &named_constants<PixelFunctor>;
+        program.shade_wave = {&shade_wave<Float, VertexFunctor, PixelFunctor>,
+                              &shade_wave<Double, VertexFunctor, PixelFunctor>};
+    }
+    return program;
 }
 
 }  // namespace gnomon

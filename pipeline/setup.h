@@ -1,45 +1,87 @@
-// From three clip-space vertices to a Triangle: divide, viewport, snap, cull, depth bias, planes. D3D11.3 15.5 to 15.11, 3.4
+// From clip-space vertices to primitives for the rasteriser: divide, viewport, snap, cull, depth bias, planes.
+// D3D11.3 15.5 to 15.14, 3.4
 #pragma once
 
-#include "pipeline/clip.h"
-#include "pipeline/command.h"
-#include "pipeline/triangle.h"
-#include "pipeline/triangulate.h"
+#include "pipeline/primitive.h"
+#include "pipeline/samples.h"
+#include "pipeline/viewport.h"
 #include "sim/profile.h"
 #include "texunit/format.h"
 
 #include <array>
-#include <optional>
+#include <span>
 
 namespace gnomon {
 
 /// What setup needs to know of a draw.
 struct SetupState {
     RasterState raster;
-    PixelRect viewport;                                 // inside the target
+    std::span<const ViewportTransform> viewports;
+    int layers = 1;                                     // of the targets
     int subpixel_bits = kSubpixelBits;                  // of the profile
     ComponentType depth_type = ComponentType::Depth24;  // scale of the constant depth bias; UNORM without a depth target
+    DepthBiasPlace bias_place = DepthBiasPlace::Vertex;
+    int bias_steps = 1;
+    PixelRect sample_extent{128, 128, 128, 128};  // least and largest sample position, 1/256 pixel; both ends inclusive
 };
 
-/// The guard band that keeps positions inside the signed 16.8 range. D3D11.3 3.4.1, 15.4
+/// A vertex on the screen.
 template <class Scalar>
-GuardBand<Scalar> guard_band(const PixelRect& viewport);
+struct ScreenVertex {
+    Scalar x, y;   // pixels
+    GridPoint at;  // the same snapped, 1/256 pixel
+    Scalar z;      // inside the viewport's depth range up to rounding
+    Scalar inv_w;
+    bool valid = false;  // false: a coordinate is not a number
+};
 
-/// Where a clip-space vertex lands on the 16.8 grid; nothing if a coordinate is not a number.
+/// Pixels to the profile's grid, nearest even; positions beyond the range of 16.8 saturate. D3D11.3 3.4.1, 3.2.4.1
+GridPoint snap_position(float x, float y, const Profile& profile);
+
+/// Perspective divide, viewport and snapping. D3D11.3 15.5, 15.6, 3.4.1
 template <class Scalar>
-std::optional<GridPoint> snap_vertex(const Scalar* vertex, const SetupState& state);
+ScreenVertex<Scalar> project(const Scalar* clip_position, const Viewport& viewport, int subpixel_bits);
 
-enum class SetupResult { Drawn, Culled };
-
-/// `vertices` point at clip x, y, z, w and the varyings behind them.
+/// A vertex as setup takes it.
 template <class Scalar>
-SetupResult set_up_triangle(const std::array<const Scalar*, 3>& vertices, const SetupState& state, Triangle<Scalar>& triangle);
+struct SetupVertex {
+    const Scalar* record = nullptr;  // clip position, then varyings
+    ScreenVertex<Scalar> screen;
+};
 
-extern template GuardBand<float> guard_band(const PixelRect&);
-extern template GuardBand<double> guard_band(const PixelRect&);
-extern template std::optional<GridPoint> snap_vertex(const float*, const SetupState&);
-extern template std::optional<GridPoint> snap_vertex(const double*, const SetupState&);
-extern template SetupResult set_up_triangle(const std::array<const float*, 3>&, const SetupState&, Triangle<float>&);
-extern template SetupResult set_up_triangle(const std::array<const double*, 3>&, const SetupState&, Triangle<double>&);
+/// What all pieces of one primitive share.
+template <class Scalar>
+struct PrimitiveHead {
+    std::uint32_t id = 0;
+    std::uint32_t viewport = 0;
+    std::uint16_t layer = 0;
+    const Scalar* flat = nullptr;  // varyings of the provoking vertex
+};
+
+/// Twice the signed area of what was snapped, and the side that shows. No area counts as back. D3D11.3 15.11, 15.11.1
+struct Facing {
+    bool front = false;
+    bool culled = false;
+};
+Facing facing_of(std::int64_t signed_area, const RasterState& raster);
+
+/// The piece of a solid triangle; false where it covers nothing.
+template <class Scalar>
+bool set_up_triangle(const std::array<SetupVertex<Scalar>, 3>& vertices, const PrimitiveHead<Scalar>& head,
+                     const SetupState& state, Primitive<Scalar>& out);
+
+/// The depth bias of a triangle. D3D11.3 15.10
+template <class Scalar>
+Scalar triangle_depth_bias(const std::array<SetupVertex<Scalar>, 3>& vertices, const SetupState& state);
+
+/// An aliased line (one piece) or a rectangle (two); `bias` is added to both depths. Returns the number of pieces.
+template <class Scalar>
+int set_up_line(const std::array<SetupVertex<Scalar>, 2>& ends, const PrimitiveHead<Scalar>& head, Scalar bias, bool front,
+                const SetupState& state, std::array<Primitive<Scalar>, 2>& out);
+
+/// A square of one pixel, in two pieces. D3D11.3 3.4.6
+template <class Scalar>
+int set_up_point(const SetupVertex<Scalar>& centre, const PrimitiveHead<Scalar>& head, const SetupState& state,
+                 std::array<Primitive<Scalar>, 2>& out);
 
 }  // namespace gnomon

@@ -1,12 +1,14 @@
-// A wave: as many quads of one triangle as the SIMD width holds, and which of their pixels count.
+// A wave: as many quads of one primitive as the SIMD width holds, and which of their pixels count.
 #pragma once
 
 #include "pipeline/tiling.h"
 #include "sim/lanes.h"
 #include "sim/quad.h"
+#include "texunit/texture.h"
 
 #include <array>
 #include <cstdint>
+#include <span>
 
 namespace gnomon {
 
@@ -20,13 +22,15 @@ inline Int lane_dy() { return shift_right_logical<1>(lane_index()) & Int(1); }
 struct Wave {
     Int x;  // pixel coordinates per lane
     Int y;
-    std::uint32_t covered = 0;  // lanes inside the triangle; the others are helpers
+    std::uint32_t covered = 0;  // lanes with a sample inside the primitive; the others are helpers
     int quads = 0;              // quads in use, from lane 0; lanes behind them repeat quad 0 and count for nothing
+    bool row = false;           // the quads stand side by side, from an even pixel on
     std::array<std::int32_t, kQuadsPerWave> quad_x;  // top-left pixel of each quad in use
     std::array<std::int32_t, kQuadsPerWave> quad_y;
+    std::array<std::uint32_t, kMaxSamples> samples;  // lanes covered by sample; not set where there is one per pixel
 };
 
-/// Collects the quads of one triangle until a wave is full.
+/// Collects the quads of one primitive until a wave is full.
 class QuadPacker {
 public:
     [[nodiscard]] bool full() const { return wave_.quads == kQuadsPerWave; }
@@ -37,6 +41,15 @@ public:
         wave_.quad_x[q] = x;
         wave_.quad_y[q] = y;
         wave_.covered |= mask4 << (4 * q);
+    }
+    /// Quad number `from` of a row whose samples cover `samples`.
+    void add(int x, int y, std::uint32_t mask4, std::span<const std::uint32_t> samples, int from) {
+        const int q = wave_.quads;
+        for (std::size_t s = 0; s < samples.size(); ++s) {
+            if (q == 0) wave_.samples[s] = 0;
+            wave_.samples[s] |= (samples[s] >> (4 * from) & 0xfu) << (4 * q);
+        }
+        add(x, y, mask4);
     }
 
     /// The wave so far; the packer is empty afterwards.
@@ -69,6 +82,7 @@ inline Wave row_wave(int x, int y, std::uint32_t covered) {
     wave.y = Int(y) + lane_dy();
     wave.covered = covered;
     wave.quads = kQuadsPerWave;
+    wave.row = true;
     for (int q = 0; q < kQuadsPerWave; ++q) {
         wave.quad_x[static_cast<std::size_t>(q)] = x + 2 * q;
         wave.quad_y[static_cast<std::size_t>(q)] = y;

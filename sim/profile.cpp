@@ -20,6 +20,12 @@ void write_field(nlohmann::ordered_json& json, const std::string& key, int value
         json[key] = value;
     }
 }
+template <std::size_t kCount>
+void write_field(nlohmann::ordered_json& json, const std::string& key, const std::array<SamplePosition, kCount>& positions) {
+    auto list = nlohmann::ordered_json::array();
+    for (const SamplePosition& at : positions) list.push_back({at.x, at.y});
+    json[key] = std::move(list);
+}
 template <NamedEnum E>
 void write_field(nlohmann::ordered_json& json, const std::string& key, E value) {
     json[key] = name_of(value);
@@ -39,11 +45,21 @@ void read_field(const nlohmann::json& json, const std::string& what, int& value)
         value = kExactBits;
         return;
     }
-    const auto expected =
-        may_be_exact ? "expected a whole number from 1 to 8, or \"exact\"" : "expected a whole number from 1 to 8";
+    const int most = what.ends_with("max_samples") ? 16 : 8;
+    const auto expected = fmt::format("expected a whole number from 1 to {}{}", most, may_be_exact ? ", or \"exact\"" : "");
     if (!json.is_number_integer()) fail("{}: {}", what, expected);
-    if (json < 1 || json > 8) fail("{}: is {}; {}", what, json.dump(), expected);
+    if (json < 1 || json > most) fail("{}: is {}; {}", what, json.dump(), expected);
     value = json.get<int>();
+}
+template <std::size_t kCount>
+void read_field(const nlohmann::json& json, const std::string& what, std::array<SamplePosition, kCount>& value) {
+    const auto whole = [](const nlohmann::json& x) { return x.is_number_integer() && x >= 0 && x <= 15; };
+    const auto position = [&](const nlohmann::json& at) {
+        return at.is_array() && at.size() == 2 && whole(at[0]) && whole(at[1]);
+    };
+    if (!json.is_array() || json.size() != kCount || !std::ranges::all_of(json, position))
+        fail("{}: expected {} pairs [x, y] of whole numbers from 0 to 15, in sixteenths of a pixel", what, kCount);
+    for (std::size_t i = 0; i < kCount; ++i) value[i] = {json[i][0].get<int>(), json[i][1].get<int>()};
 }
 template <NamedEnum E>
 void read_field(const nlohmann::json& json, const std::string& what, E& value) {

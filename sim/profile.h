@@ -8,12 +8,37 @@
 #include "sim/fields.h"
 #include "sim/profile_choices.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace gnomon {
+
+/// The standard sample positions, by sample index. D3D11.3 19.2.4; Vulkan 1.3 26.4 (Standard Sample Locations)
+inline constexpr std::array<SamplePosition, 2> kStandardSamples2{{{12, 12}, {4, 4}}};
+inline constexpr std::array<SamplePosition, 4> kStandardSamples4{{{6, 2}, {14, 6}, {2, 10}, {10, 14}}};
+inline constexpr std::array<SamplePosition, 8> kStandardSamples8{
+    {{9, 5}, {7, 11}, {13, 9}, {5, 3}, {3, 13}, {1, 7}, {11, 15}, {15, 1}}};
+inline constexpr std::array<SamplePosition, 16> kStandardSamples16{{{9, 9},
+                                                                    {7, 5},
+                                                                    {5, 10},
+                                                                    {12, 7},
+                                                                    {3, 6},
+                                                                    {10, 13},
+                                                                    {13, 11},
+                                                                    {11, 3},
+                                                                    {6, 14},
+                                                                    {8, 1},
+                                                                    {4, 2},
+                                                                    {2, 12},
+                                                                    {0, 8},
+                                                                    {15, 4},
+                                                                    {14, 15},
+                                                                    {1, 0}}};
 
 struct Profile {
     std::string name;
@@ -25,6 +50,22 @@ struct Profile {
     Narrowing float_narrowing = Narrowing::TowardZero;
     // Rasteriser.
     int raster_subpixel_bits = 8;  // 1 to 8
+    int max_samples = 16;          // 1 to 16
+    std::array<SamplePosition, 2> sample_positions_2 = kStandardSamples2;
+    std::array<SamplePosition, 4> sample_positions_4 = kStandardSamples4;
+    std::array<SamplePosition, 8> sample_positions_8 = kStandardSamples8;
+    std::array<SamplePosition, 16> sample_positions_16 = kStandardSamples16;
+    bool multisamples_float = true;  // false: targets of floats have one sample
+    // Derivatives.
+    DerivativeCorner derivative_corner = DerivativeCorner::TopLeft;
+    PlainDerivative plain_derivative = PlainDerivative::Coarse;
+    // Output merger.
+    int max_targets = 8;  // 1 to 8
+    bool blends_float16 = true;
+    bool blends_float32 = true;
+    AlphaToCoverage alpha_to_coverage = AlphaToCoverage::Rounded;
+    DepthBiasPlace depth_bias_place = DepthBiasPlace::Vertex;
+    int depth_bias_steps = 1;  // 1 to 8: smallest steps of a UNORM depth format in one unit of the constant bias
     // Texture unit: addresses and weights.
     AddressArithmetic address_arithmetic = AddressArithmetic::FixedPoint;
     int texel_fraction_bits = 8;  // 1 to 8 or kExactBits
@@ -65,6 +106,20 @@ struct Profile {
                           Field{"flush_denormals", &P::flush_denormals},
                           Field{"float_narrowing", &P::float_narrowing},
                           Field{"raster_subpixel_bits", &P::raster_subpixel_bits},
+                          Field{"max_samples", &P::max_samples},
+                          Field{"sample_positions_2", &P::sample_positions_2},
+                          Field{"sample_positions_4", &P::sample_positions_4},
+                          Field{"sample_positions_8", &P::sample_positions_8},
+                          Field{"sample_positions_16", &P::sample_positions_16},
+                          Field{"multisamples_float", &P::multisamples_float},
+                          Field{"derivative_corner", &P::derivative_corner},
+                          Field{"plain_derivative", &P::plain_derivative},
+                          Field{"max_targets", &P::max_targets},
+                          Field{"blends_float16", &P::blends_float16},
+                          Field{"blends_float32", &P::blends_float32},
+                          Field{"alpha_to_coverage", &P::alpha_to_coverage},
+                          Field{"depth_bias_place", &P::depth_bias_place},
+                          Field{"depth_bias_steps", &P::depth_bias_steps},
                           Field{"address_arithmetic", &P::address_arithmetic},
                           Field{"texel_fraction_bits", &P::texel_fraction_bits},
                           Field{"texel_rounding", &P::texel_rounding},
@@ -121,6 +176,21 @@ std::span<const Provenance> provenance_of(std::string_view preset);
 
 /// The profile as a JSON object; every field, in order.
 std::string profile_to_json(const Profile& profile);
+
+/// One field as people read it: "exact", "true", "nearest-even", "6,2 14,6 ...".
+inline std::string field_text(const std::string& value) { return value; }
+inline std::string field_text(bool value) { return value ? "true" : "false"; }
+inline std::string field_text(int value) { return value == kExactBits ? "exact" : fmt::format("{}", value); }
+template <std::size_t kCount>
+std::string field_text(const std::array<SamplePosition, kCount>& positions) {
+    std::string text;
+    for (const SamplePosition& at : positions) text += fmt::format("{}{},{}", text.empty() ? "" : " ", at.x, at.y);
+    return text;
+}
+template <NamedEnum E>
+std::string field_text(E value) {
+    return std::string(name_of(value));
+}
 
 /// Reads a JSON object. A field "base" names the preset (default d3d11) that gives every field not mentioned; without a "name"
 /// the profile is called by the stem of `where`, the file's path. Throws Error, with `where` in front, for unknown fields,

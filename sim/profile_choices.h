@@ -188,6 +188,45 @@ template <>
 inline constexpr std::array kEnumNames<MipGeneration>{EnumName{MipGeneration::Box, "box"},
                                                       EnumName{MipGeneration::Bilinear, "bilinear"}};
 
+/// Where one sample of a pixel lies, in 1/16 pixel from its top-left corner. D3D11.3 19.2.4
+struct SamplePosition {
+    int x = 8;  // 0 to 15
+    int y = 8;
+
+    bool operator==(const SamplePosition&) const = default;
+};
+
+/// Which pixels of a quad a coarse derivative is taken from: a row and a column through one corner. D3D11.3 22.5.2
+enum class DerivativeCorner { TopLeft, TopRight, BottomLeft, BottomRight };
+template <>
+inline constexpr std::array kEnumNames<DerivativeCorner>{
+    EnumName{DerivativeCorner::TopLeft, "top-left"}, EnumName{DerivativeCorner::TopRight, "top-right"},
+    EnumName{DerivativeCorner::BottomLeft, "bottom-left"}, EnumName{DerivativeCorner::BottomRight, "bottom-right"}};
+
+/// What a derivative is that the shader asks for without saying coarse or fine.
+enum class PlainDerivative { Coarse, Fine };
+template <>
+inline constexpr std::array kEnumNames<PlainDerivative>{EnumName{PlainDerivative::Coarse, "coarse"},
+                                                        EnumName{PlainDerivative::Fine, "fine"}};
+
+/// How alpha becomes a coverage mask. D3D11.3 17.18 fixes only both ends.
+enum class AlphaToCoverage {
+    Rounded,  // the first round(alpha N) samples, halves up
+    Ramp,     // sample s where alpha > s / N
+};
+template <>
+inline constexpr std::array kEnumNames<AlphaToCoverage>{EnumName{AlphaToCoverage::Rounded, "rounded"},
+                                                        EnumName{AlphaToCoverage::Ramp, "ramp"}};
+
+/// Where the depth bias is added.
+enum class DepthBiasPlace {
+    Vertex,    // to each vertex, before the plane is set up. D3D11.3 15.10
+    Fragment,  // to the interpolated depth of each fragment
+};
+template <>
+inline constexpr std::array kEnumNames<DepthBiasPlace>{EnumName{DepthBiasPlace::Vertex, "vertex"},
+                                                       EnumName{DepthBiasPlace::Fragment, "fragment"}};
+
 /// Number of fraction bits that means "not quantised at all".
 inline constexpr int kExactBits = -1;
 

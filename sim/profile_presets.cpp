@@ -56,6 +56,21 @@ Preset d3d11() {
     p.set(&P::flush_denormals, true, Specified, "D3D11.3 3.1.3.2");
     p.set(&P::float_narrowing, Narrowing::TowardZero, Specified, "D3D11.3 3.2.2");
     p.set(&P::raster_subpixel_bits, 8, Specified, "D3D11.3 3.4.1");
+    p.set(&P::max_samples, 16, Specified, "D3D11.3 19.2.4: patterns up to 16; 19.2.5 asks for 1, 4 and 8");
+    constexpr std::string_view kPositions = "Vulkan 1.3 26.4 (Standard Sample Locations); D3D11.3 19.2.4 has them as figures";
+    p.set(&P::sample_positions_2, kStandardSamples2, Specified, kPositions);
+    p.set(&P::sample_positions_4, kStandardSamples4, Specified, kPositions);
+    p.set(&P::sample_positions_8, kStandardSamples8, Specified, kPositions);
+    p.set(&P::sample_positions_16, kStandardSamples16, Specified, kPositions);
+    p.set(&P::multisamples_float, true, Specified, "D3D11.3 19.2.5");
+    p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Assumed, "D3D11.3 22.5.2 leaves the corner to the vendor");
+    p.set(&P::plain_derivative, PlainDerivative::Coarse, Assumed, "Direct3D's ddx may be either; HLSL compiles it to coarse");
+    p.set(&P::max_targets, 8, Specified, "D3D11.3 17.14");
+    p.set(&P::blends_float16, true, Specified, "D3D11.3 19.1.4");
+    p.set(&P::blends_float32, true, Specified, "D3D11.3 19.1.4");
+    p.set(&P::alpha_to_coverage, AlphaToCoverage::Rounded, Assumed, "D3D11.3 17.18 fixes only alpha 0 and 1");
+    p.set(&P::depth_bias_place, DepthBiasPlace::Vertex, Specified, "D3D11.3 15.10");
+    p.set(&P::depth_bias_steps, 1, Specified, "D3D11.3 15.10");
     p.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, Specified, "D3D11.3 7.18.5 to 7.18.9");
     p.set(&P::texel_fraction_bits, 8, Specified, "D3D11.3 7.18.8, 7.18.16.1: at least 8");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Specified, "D3D11.3 3.2.4.1: the ideal; 0.6 ULP allowed");
@@ -122,6 +137,21 @@ Preset nv40() {
     p.set(&P::flush_denormals, true, Assumed, "unknown; its successors flush");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Assumed, "unknown; what most hardware does");
     p.set(&P::raster_subpixel_bits, 8, Assumed, "unknown; GL_SUBPIXEL_BITS is commonly 8");
+    p.set(&P::max_samples, 4, Measured, "published reviews of 2004: 2 on a diagonal, 4 on a rotated grid");
+    p.set(&P::sample_positions_2, kStandardSamples2, Assumed, "unknown; a diagonal, as reviews describe it");
+    p.set(&P::sample_positions_4, kStandardSamples4, Assumed, "unknown; a rotated grid, as reviews describe it");
+    p.set(&P::sample_positions_8, kStandardSamples8, Assumed, "not used: it has 4 samples");
+    p.set(&P::sample_positions_16, kStandardSamples16, Assumed, "not used: it has 4 samples");
+    p.set(&P::multisamples_float, false, Measured, "published reviews: no antialiasing of fp16 targets");
+    p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Assumed, "unknown");
+    p.set(&P::plain_derivative, PlainDerivative::Coarse, Assumed, "unknown");
+    p.set(&P::max_targets, 4, Assumed, "Direct3D 9 class: four; recalled, not re-read");
+    p.set(&P::blends_float16, true, Documented, "its maker's statement of 2004");
+    p.set(&P::blends_float32, false, Assumed, "Direct3D 9 class; recalled, not re-read");
+    p.set(&P::alpha_to_coverage, AlphaToCoverage::Rounded, Assumed, "unknown");
+    p.set(&P::depth_bias_place, DepthBiasPlace::Vertex, Assumed, kAsD3d);
+    p.set(&P::depth_bias_steps, 1, Assumed,
+          "nouveau nv30 programs twice OpenGL's units, so its unit is likely half of two steps");
     p.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, Assumed, kAsD3d);
     p.set(&P::texel_fraction_bits, 8, Assumed, "unknown; all of its successors have 8");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Assumed, kAsD3d);
@@ -156,6 +186,19 @@ Preset g80() {
     p.profile.summary = "GeForce 8800 class (2006): weights documented, probes assumed";
     p.set(&P::flush_denormals, true, Assumed, "CUDA C Programming Guide, compute capability 1.x; recalled, not re-read");
     p.set(&P::raster_subpixel_bits, 8, Specified, "D3D11.3 3.4.1, the same in Direct3D 10");
+    constexpr std::string_view kNv50Samples = "nouveau nv50_surface.c: the standard set in its own order";
+    p.set(&P::max_samples, 8, Documented, "nouveau nv50; coverage samples beyond these are not modelled");
+    p.set(&P::sample_positions_2, {{{4, 4}, {12, 12}}}, Documented, kNv50Samples);
+    p.set(&P::sample_positions_4, kStandardSamples4, Documented, kNv50Samples);
+    p.set(&P::sample_positions_8, {{{1, 7}, {5, 3}, {3, 13}, {7, 11}, {9, 5}, {15, 1}, {11, 15}, {13, 9}}}, Documented,
+          kNv50Samples);
+    p.set(&P::sample_positions_16, kStandardSamples16, Assumed, "not used: it has 8 samples");
+    p.set(&P::multisamples_float, true, Measured, "published reviews of 2006");
+    p.set(&P::max_targets, 8, Specified, "Direct3D 10");
+    p.set(&P::blends_float16, true, Measured, "published reviews of 2006");
+    p.set(&P::blends_float32, true, Measured, "published reviews of 2006");
+    p.set(&P::depth_bias_place, DepthBiasPlace::Vertex, Specified, "D3D11.3 15.10, the same in Direct3D 10");
+    p.set(&P::depth_bias_steps, 1, Specified, "D3D11.3 15.10, the same in Direct3D 10");
     p.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, Assumed, kAsD3d);
     p.set(&P::texel_fraction_bits, 8, Documented, "CUDA C++ Programming Guide 19.2: 1.8 weights");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Measured,
@@ -183,6 +226,13 @@ Preset llvmpipe() {
     p.set(&P::flush_denormals, true, Documented, "Mesa 22.3.6 lp_rast.c; compute shaders keep denormals");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "Mesa 22.3.6 lp_bld_conv.c");
     p.set(&P::raster_subpixel_bits, 8, Documented, "Mesa 22.3.6 lp_setup_tri.c");
+    p.set(&P::max_samples, 4, Documented, "Mesa 22.3.6 lp_screen.c: 1 and 4");
+    p.set(&P::sample_positions_4, kStandardSamples4, Documented, "Mesa 22.3.6 lp_rast.c");
+    p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Documented, "Mesa 22.3.6 lp_bld_quad.c");
+    p.set(&P::plain_derivative, PlainDerivative::Fine, Documented, "Mesa 22.3.6 lp_bld_quad.c");
+    p.set(&P::max_targets, 8, Documented, "Mesa 22.3.6 lp_screen.c");
+    p.set(&P::depth_bias_place, DepthBiasPlace::Fragment, Documented, "Mesa 22.3.6 lp_state_setup.c");
+    p.set(&P::depth_bias_steps, 2, Documented, "Mesa 22.3.6 lp_state_setup.c: OpenGL's unit");
     p.set(&P::address_arithmetic, AddressArithmetic::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c");
     p.set(&P::texel_fraction_bits, kExactBits, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c: the whole binary32 fraction");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Documented, "Mesa 22.3.6 lp_bld_sample_aos.c: 24.8 of 8-bit formats");
@@ -221,6 +271,9 @@ Preset swiftshader() {
     p.set(&P::flush_denormals, true, Documented, "SwiftShader SwiftConfig.cpp");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "SwiftShader Half.hpp");
     p.set(&P::raster_subpixel_bits, 4, Documented, "SwiftShader VkConfig.hpp");
+    p.set(&P::max_samples, 4, Documented, "SwiftShader VkPhysicalDevice.cpp: 1 and 4");
+    p.set(&P::sample_positions_4, kStandardSamples4, Documented, "SwiftShader Constants.cpp");
+    p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
     p.set(&P::address_arithmetic, AddressArithmetic::SwiftShader, Documented, "SwiftShader SamplerCore.cpp address()");
     p.set(&P::texel_fraction_bits, kExactBits, Documented, "SwiftShader SamplerCore.cpp: the whole binary32 fraction");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Documented, "not used: nothing is rounded");

@@ -1,11 +1,12 @@
 // Derivatives over 2x2 quads. D3D11.3 22.5.2, 22.5.4
 //
-// Coarse: one pair per quad, from its top row and its left column (the corner is the vendor's choice; top-left here).
-// Fine: each lane's own row and own column.
+// Coarse: one pair per quad, from the row and the column through one corner, which is the vendor's choice (top-left if not
+// said). Fine: each lane's own row and own column.
 #pragma once
 
 #include "sim/double_lanes.h"
 #include "sim/lanes.h"
+#include "sim/profile_choices.h"
 
 namespace gnomon {
 
@@ -37,6 +38,18 @@ inline Double ddx_fine(const Double& x) {
 }
 inline Double ddy_fine(const Double& x) {
     return Double::map([&](std::size_t i) { return x.v[i | 2] - x.v[i & ~std::size_t{2}]; });
+}
+
+/// Through any corner.
+template <class Real>
+Real ddx_coarse(const Real& x, DerivativeCorner corner) {
+    const bool bottom = corner == DerivativeCorner::BottomLeft || corner == DerivativeCorner::BottomRight;
+    return bottom ? quad_broadcast<3>(x) - quad_broadcast<2>(x) : ddx_coarse(x);
+}
+template <class Real>
+Real ddy_coarse(const Real& x, DerivativeCorner corner) {
+    const bool right = corner == DerivativeCorner::TopRight || corner == DerivativeCorner::BottomRight;
+    return right ? quad_broadcast<3>(x) - quad_broadcast<1>(x) : ddy_coarse(x);
 }
 
 /// All four lanes of a quad, where any of them is set.

@@ -1,6 +1,6 @@
 #include "techniques/caster.h"
 
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 
 namespace gnomon::techniques {
 

@@ -1,6 +1,6 @@
 #include "techniques/gaussian.h"
 
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 #include "sim/scalar_math.h"
 
 namespace gnomon::techniques {

@@ -1,6 +1,6 @@
 #include "techniques/pcf.h"
 
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 #include "techniques/depth_map_passes.h"
 
 namespace gnomon::techniques {

@@ -1,6 +1,6 @@
 #include "techniques/vsm.h"
 
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 #include "techniques/caster.h"
 #include "techniques/gaussian.h"
 

@@ -134,6 +134,13 @@ struct Codec {
         }
     }
 
+    /// Adds the bits of one component to masks of the words.
+    static constexpr void add_component_bits(std::array<std::uint32_t, kWords>& bits, std::size_t component) {
+        const std::size_t bit = first_bit(component);
+        const std::size_t width = kType == ComponentType::Float11 ? (component < 2 ? 11 : 10) : kStoredBits;
+        bits[bit / 32] |= (width == 32 ? 0xffffffffu : (1u << width) - 1u) << (bit % 32);
+    }
+
     /// What a code means. D3D11.3 3.1.5, 3.1.6, 3.2.3.3, 3.2.3.5, 3.2.3.7
     template <class Real>
     static Real number(Int code, std::size_t component, UnormDecode how = UnormDecode::Divide) {

@@ -3,6 +3,7 @@
 
 #include "sim/enum_names.h"
 
+#include <cstdint>
 #include <span>
 
 namespace gnomon {
@@ -50,6 +51,8 @@ enum class Format {
     D16,
     D24,
     D32Float,
+    D24UnormS8,
+    D32FloatS8,
 };
 
 struct FormatInfo {
@@ -60,6 +63,7 @@ struct FormatInfo {
     int bytes_per_texel;     // as stored here
     int bits_per_component;  // as the format defines it: what a cost model counts; red's where they differ
     bool is_depth;
+    bool has_stencil = false;  // 8 bits beside each depth, stored apart from it
 
     /// Unsigned integers are read as they are and never filtered. D3D11.3 19.1.4
     [[nodiscard]] constexpr bool is_integer() const { return type == ComponentType::Uint32; }
@@ -92,7 +96,15 @@ inline constexpr std::array kFormats{
     FormatInfo{Format::D16, "d16", ComponentType::Depth16, 1, 4, 16, true},
     FormatInfo{Format::D24, "d24", ComponentType::Depth24, 1, 4, 24, true},
     FormatInfo{Format::D32Float, "d32f", ComponentType::Depth32, 1, 4, 32, true},
+    FormatInfo{Format::D24UnormS8, "d24s8", ComponentType::Depth24, 1, 4, 24, true, true},
+    FormatInfo{Format::D32FloatS8, "d32fs8", ComponentType::Depth32, 1, 4, 32, true, true},
 };
+
+/// Bytes of a texel as the format defines it: what a memory model counts. D16 takes two, whatever this machine stores.
+constexpr std::uint64_t texel_bytes(const FormatInfo& info) {
+    const int bits = info.type == ComponentType::Float11 ? 32 : info.components * info.bits_per_component;
+    return static_cast<std::uint64_t>((bits + 7) / 8);
+}
 
 constexpr const FormatInfo& format_info(Format format) { return kFormats[static_cast<std::size_t>(format)]; }
 

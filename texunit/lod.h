@@ -23,7 +23,8 @@ struct Gradients {
 template <class Real>
 GNOMON_INLINE Gradients<Real> quad_gradients(const Vec2<Real>& uv, const Profile& profile) {
     if (profile.lod_sharing == LodSharing::Quad)
-        return {{ddx_coarse(uv.x), ddx_coarse(uv.y)}, {ddy_coarse(uv.x), ddy_coarse(uv.y)}};
+        return {{ddx_coarse(uv.x, profile.derivative_corner), ddx_coarse(uv.y, profile.derivative_corner)},
+                {ddy_coarse(uv.x, profile.derivative_corner), ddy_coarse(uv.y, profile.derivative_corner)}};
     return {{ddx_fine(uv.x), ddx_fine(uv.y)}, {ddy_fine(uv.x), ddy_fine(uv.y)}};
 }
 

@@ -1,5 +1,6 @@
 #include "texunit/texture.h"
 
+#include <bit>
 #include <cstring>
 #include <limits>
 
@@ -36,15 +37,22 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
     if (desc.kind == TextureKind::Cube && desc.width != desc.height)
         fail("cube texture with faces of {}x{} texels: expected squares", desc.width, desc.height);
 
+    if (desc.samples < 1 || desc.samples > kMaxSamples || !std::has_single_bit(static_cast<unsigned>(desc.samples)))
+        fail("texture with {} samples per texel: expected 1, 2, 4, 8 or 16", desc.samples);
+    if (desc.samples > 1 && (desc.levels != 1 || desc.kind == TextureKind::Cube))
+        fail("texture with {} samples per texel, {} levels, {}: expected one level and no cube", desc.samples, desc.levels,
+             name_of(desc.kind));
+    const std::int64_t planes = std::int64_t{desc.layers} * desc.samples;
+
     // Lay the levels out one after the other; lanes address them with 31-bit offsets.
     std::int64_t offset = 0;
     for (int level = 0; level < desc.levels; ++level) {
         const auto l = static_cast<std::size_t>(level);
         const std::int64_t pitch = even(width(level)) * info().bytes_per_texel;
         const std::int64_t bytes = aligned(pitch * even(height(level)) + kTail);
-        if ((offset + bytes) * desc.layers > std::numeric_limits<std::int32_t>::max())
-            fail("texture of {}x{} texels and {} layers in {}: larger than 2 GiB", desc.width, desc.height, desc.layers,
-                 info().name);
+        if ((offset + bytes) * planes > std::numeric_limits<std::int32_t>::max())
+            fail("texture of {}x{} texels, {} layers and {} samples in {}: larger than 2 GiB", desc.width, desc.height,
+                 desc.layers, desc.samples, info().name);
         table_.offset[l] = static_cast<std::int32_t>(offset);
         table_.pitch[l] = static_cast<std::int32_t>(pitch);
         table_.width[l] = width(level);
@@ -53,27 +61,41 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
     }
 
     layer_stride_ = static_cast<std::int32_t>(offset);
-    size_ = static_cast<std::size_t>(offset) * static_cast<std::size_t>(desc.layers);
+    size_ = static_cast<std::size_t>(offset * planes);
     bytes_ = hwy::AllocateAligned<std::byte>(size_);
     if (!bytes_) fail("texture of {}x{} texels in {}: not enough memory", desc.width, desc.height, info().name);
     std::memset(bytes_.get(), 0, size_);
+    if (!info().has_stencil) return;
+    stencil_size_ = size_ / static_cast<std::size_t>(info().bytes_per_texel);
+    stencil_ = hwy::AllocateAligned<std::uint8_t>(stencil_size_);
+    if (!stencil_) fail("texture of {}x{} texels in {}: not enough memory", desc.width, desc.height, info().name);
+    std::memset(stencil_.get(), 0, stencil_size_);
 }
 
-std::vector<std::byte> Texture::level_bytes(int level, int layer) const {
+std::vector<std::byte> Texture::level_bytes(int level, int layer, int sample) const {
     const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
     std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(height(level)));
     for (int y = 0; y < height(level); ++y)
-        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), row(level, y, layer), row_bytes);
+        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), row(level, y, layer, sample), row_bytes);
     return bytes;
 }
 
-void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer) {
+std::vector<std::uint8_t> Texture::stencil_bytes(int level, int layer, int sample) const {
+    if (!info().has_stencil) fail("texture in {}: it has no stencil", info().name);
+    const auto row_bytes = static_cast<std::size_t>(width(level));
+    std::vector<std::uint8_t> bytes(row_bytes * static_cast<std::size_t>(height(level)));
+    for (int y = 0; y < height(level); ++y)
+        std::memcpy(bytes.data() + row_bytes * static_cast<std::size_t>(y), stencil_row(level, y, layer, sample), row_bytes);
+    return bytes;
+}
+
+void Texture::set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer, int sample) {
     const auto row_bytes = static_cast<std::size_t>(width(level) * info().bytes_per_texel);
     if (size != row_bytes * static_cast<std::size_t>(height(level)))
         fail("texture level {} of {}x{} texels in {}: {} bytes given, expected {}", level, width(level), height(level),
              info().name, size, row_bytes * static_cast<std::size_t>(height(level)));
     for (int y = 0; y < height(level); ++y)
-        std::memcpy(row(level, y, layer), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
+        std::memcpy(row(level, y, layer, sample), bytes + row_bytes * static_cast<std::size_t>(y), row_bytes);
 }
 
 }  // namespace gnomon

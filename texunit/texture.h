@@ -28,6 +28,7 @@ inline constexpr std::array kEnumNames<TextureKind>{EnumName{TextureKind::Flat, 
                                                     EnumName{TextureKind::Cube, "cube"}};
 
 inline constexpr int kCubeFaces = 6;
+inline constexpr int kMaxSamples = 16;
 
 struct TextureDesc {
     Format format = Format::Rgba8Unorm;
@@ -35,7 +36,8 @@ struct TextureDesc {
     int height = 1;  // texels, 1 to kMaxTextureSize
     int levels = 1;  // 1 to full_level_count(width, height)
     TextureKind kind = TextureKind::Flat;
-    int layers = 1;  // 1 of a flat texture, 1 to kMaxLayers of an array, kCubeFaces of a cube
+    int layers = 1;   // 1 of a flat texture, 1 to kMaxLayers of an array, kCubeFaces of a cube
+    int samples = 1;  // 1, 2, 4, 8 or 16 per texel; more than one: one level, no cube. D3D11.3 19.2
 
     bool operator==(const TextureDesc&) const = default;
 };
@@ -59,7 +61,8 @@ struct LevelTable {
 };
 
 /// Texels in rows, top row first; every level is padded to even sides so that a 2x2 quad never leaves it. A layer holds its
-/// whole mip chain.
+/// whole mip chain. Each sample of a layer is a plane of its own, the samples of one layer after the other. Stencil values are
+/// bytes in planes of their own.
 class Texture {
 public:
     /// Zero-filled. Throws Error for sides, level and layer counts or sizes in bytes that are out of range.
@@ -71,34 +74,59 @@ public:
     [[nodiscard]] int width(int level) const { return level_size(desc_.width, level); }
     [[nodiscard]] int height(int level) const { return level_size(desc_.height, level); }
 
-    /// Bytes from one layer to the next.
+    /// Bytes from one layer to the next where there is one sample, from one sample to the next where there are more.
     [[nodiscard]] std::int32_t layer_stride() const { return layer_stride_; }
+    /// Bytes of all of it, padding included.
+    [[nodiscard]] std::size_t size_bytes() const { return size_ + stencil_size_; }
 
     [[nodiscard]] std::byte* data() { return bytes_.get(); }
     [[nodiscard]] const std::byte* data() const { return bytes_.get(); }
-    [[nodiscard]] std::byte* row(int level, int y, int layer = 0) { return bytes_.get() + row_offset(level, y, layer); }
-    [[nodiscard]] const std::byte* row(int level, int y, int layer = 0) const {
-        return bytes_.get() + row_offset(level, y, layer);
+    [[nodiscard]] std::byte* row(int level, int y, int layer = 0, int sample = 0) {
+        return bytes_.get() + row_offset(level, y, layer, sample);
+    }
+    [[nodiscard]] const std::byte* row(int level, int y, int layer = 0, int sample = 0) const {
+        return bytes_.get() + row_offset(level, y, layer, sample);
+    }
+    /// One byte per texel, `stencil_pitch(level)` per row; only where the format has stencil.
+    [[nodiscard]] std::uint8_t* stencil_row(int level, int y, int layer = 0, int sample = 0) {
+        return stencil_.get() + stencil_offset(level, y, layer, sample);
+    }
+    [[nodiscard]] const std::uint8_t* stencil_row(int level, int y, int layer = 0, int sample = 0) const {
+        return stencil_.get() + stencil_offset(level, y, layer, sample);
+    }
+    [[nodiscard]] std::int32_t stencil_pitch(int level) const {
+        const auto l = static_cast<std::size_t>(level);
+        return table_.pitch[l] / info().bytes_per_texel;
     }
 
     /// One level's bytes without the padding, rows top first.
-    [[nodiscard]] std::vector<std::byte> level_bytes(int level, int layer = 0) const;
+    [[nodiscard]] std::vector<std::byte> level_bytes(int level, int layer = 0, int sample = 0) const;
+    [[nodiscard]] std::vector<std::uint8_t> stencil_bytes(int level, int layer = 0, int sample = 0) const;
     /// Replaces one level; `bytes` is laid out as level_bytes gives it and must have that size.
-    void set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer = 0);
+    void set_level_bytes(int level, const std::byte* bytes, std::size_t size, int layer = 0, int sample = 0);
 
 private:
-    [[nodiscard]] std::size_t row_offset(int level, int y, int layer) const {
+    [[nodiscard]] std::size_t plane(int layer, int sample) const {
+        return static_cast<std::size_t>(layer * desc_.samples + sample);
+    }
+    [[nodiscard]] std::size_t row_offset(int level, int y, int layer, int sample) const {
         const auto l = static_cast<std::size_t>(level);
         return static_cast<std::size_t>(table_.offset[l]) +
                static_cast<std::size_t>(table_.pitch[l]) * static_cast<std::size_t>(y) +
-               static_cast<std::size_t>(layer_stride_) * static_cast<std::size_t>(layer);
+               static_cast<std::size_t>(layer_stride_) * plane(layer, sample);
+    }
+    /// The levels of stencil lie as those of depth do, with a byte for each texel.
+    [[nodiscard]] std::size_t stencil_offset(int level, int y, int layer, int sample) const {
+        return row_offset(level, y, layer, sample) / static_cast<std::size_t>(info().bytes_per_texel);
     }
 
     TextureDesc desc_;
     LevelTable table_;
     std::int32_t layer_stride_ = 0;
     std::size_t size_ = 0;
+    std::size_t stencil_size_ = 0;
     hwy::AlignedFreeUniquePtr<std::byte[]> bytes_;
+    hwy::AlignedFreeUniquePtr<std::uint8_t[]> stencil_;
 };
 
 }  // namespace gnomon

@@ -11,6 +11,7 @@ void add_export(CLI::App& app);
 void add_contact_sheet(CLI::App& app);
 void add_sample(CLI::App& app);
 void add_convert(CLI::App& app);
+void add_coverage(CLI::App& app);
 void add_chart(CLI::App& app);
 
 }  // namespace gnomon::cli

@@ -44,15 +44,6 @@ void list_techniques() {
     }
 }
 
-/// A profile field as text, as profile files write it.
-std::string field_text(const std::string& value) { return value; }
-std::string field_text(bool value) { return value ? "true" : "false"; }
-std::string field_text(int value) { return value == kExactBits ? "exact" : fmt::format("{}", value); }
-template <NamedEnum E>
-std::string field_text(E value) {
-    return std::string(name_of(value));
-}
-
 void list_profiles(bool verbose) {
     fmt::print("profiles (--profile; a JSON file works too{})\n",
                verbose ? "" : "; --verbose shows every field and its source");

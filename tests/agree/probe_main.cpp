@@ -49,19 +49,6 @@ void write_file(const std::string& path, const std::string& text) {
     if (!file) fail("{}: cannot be written", path);
 }
 
-template <class Value>
-std::string value_text(const Value& value) {
-    if constexpr (NamedEnum<Value>) {
-        return std::string(name_of(value));
-    } else if constexpr (std::is_same_v<Value, bool>) {
-        return value ? "true" : "false";
-    } else if constexpr (std::is_same_v<Value, int>) {
-        return value == kExactBits ? "exact" : fmt::format("{}", value);
-    } else {
-        return value;
-    }
-}
-
 std::string_view basis_text(Basis basis) {
     switch (basis) {
         case Basis::Measured: return "measured";
@@ -155,7 +142,7 @@ int run(const Options& options) {
     for_each_field(fitted.profile, [&](std::string_view name, const auto& value) {
         if (name == "name" || name == "summary") return;
         const FieldEvidence& evidence = fitted.evidence[field++];
-        fmt::print("{:<21} {:<12} {:<15} {}\n", name, value_text(value), basis_text(evidence.basis), evidence.text);
+        fmt::print("{:<21} {:<12} {:<15} {}\n", name, field_text(value), basis_text(evidence.basis), evidence.text);
     });
     print_rest(seen);
     print_prediction(seen, fitted.profile);

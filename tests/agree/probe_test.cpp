@@ -25,13 +25,7 @@ std::vector<peer::PeerDevice> usable_devices() {
 
 std::map<std::string, std::string> fields_of(const Profile& profile) {
     std::map<std::string, std::string> fields;
-    for_each_field(profile, [&]<class Value>(std::string_view name, const Value& value) {
-        if constexpr (NamedEnum<Value>) {
-            fields[std::string(name)] = name_of(value);
-        } else {
-            fields[std::string(name)] = fmt::format("{}", value);
-        }
-    });
+    for_each_field(profile, [&](std::string_view name, const auto& value) { fields[std::string(name)] = field_text(value); });
     return fields;
 }
 

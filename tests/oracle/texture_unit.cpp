@@ -450,10 +450,7 @@ std::string describe(const Contents& contents, const oracle::Levels& view, const
         for_each_field(base, [&](std::string_view other, const auto& standard) {
             if constexpr (std::is_same_v<decltype(value), decltype(standard)>) {
                 if (field != other || value == standard || field == "name" || field == "summary") return;
-                if constexpr (std::is_enum_v<std::remove_cvref_t<decltype(value)>>)
-                    text += fmt::format(" {}={}", field, name_of(value));
-                else
-                    text += fmt::format(" {}={}", field, value);
+                text += fmt::format(" {}={}", field, field_text(value));
             }
         });
     });

@@ -1,5 +1,5 @@
 // D3D11.3 3.2.3, 19.1.2: what is fetched unmodified and written in the same format keeps every code.
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 #include "tests/unit/pipeline_programs.h"
 #include "tests/unit/texunit_calls.h"
 

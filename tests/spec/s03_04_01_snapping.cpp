@@ -75,6 +75,6 @@ TEST_CASE("a triangle that snaps to nothing is culled, one that snaps open is dr
     CHECK(count({{-0.5f, 0.9f, 0, 1, 1, 0}, {-0.501f, 0, 0, 1, 1, 0}, {-0.5f, -0.9f, 0, 1, 1, 0}}).primitives_culled == 1);
     // Three quarters of a step become one.
     const Counters open = count({{-0.5f, 0.9f, 0, 1, 1, 0}, {-0.497f, 0.9f, 0, 1, 1, 0}, {-0.5f, -0.9f, 0, 1, 1, 0}});
-    CHECK(open.triangles_set_up == 1);
+    CHECK(open.primitives_drawn == 1);
     CHECK(open.samples_covered == 2);
 }

@@ -14,7 +14,7 @@ TestVertex at(float x, float y, float z = 0.5f) { return {x / 4.0f - 1.0f, 1.0f 
 Counters count(const std::vector<TestVertex>& vertices, const Program& program, bool with_depth, RasterState raster = {}) {
     Device device(Profile{}, 1);
     Draw draw = make_draw(program, upload(device, vertices), 0, static_cast<std::uint32_t>(vertices.size()));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(program.targets); ++i)
+    for (std::size_t i = 0; i < static_cast<std::size_t>(program.targets()); ++i)
         draw.color[i] = device.create_texture("c", {.format = Format::Rgba32Float, .width = 8, .height = 8});
     if (with_depth) {
         draw.depth = device.create_texture("d", {.format = Format::D32Float, .width = 8, .height = 8});
@@ -36,7 +36,7 @@ TEST_CASE("counters of a 2x1 rectangle half a quad off the grid", "[counters]") 
     CHECK(c.primitives_in == 2);
     CHECK(c.primitives_clipped == 0);
     CHECK(c.primitives_culled == 0);
-    CHECK(c.triangles_set_up == 2);
+    CHECK(c.primitives_drawn == 2);
     CHECK(c.samples_covered == 2);
     CHECK(c.samples_passed == 2);
     CHECK(c.lanes_shaded == 2);
@@ -87,7 +87,7 @@ TEST_CASE("counters of triangles that are culled", "[counters][15.11]") {
     CHECK(cut.primitives_in == 1);
     CHECK(cut.primitives_clipped == 1);
     CHECK(cut.primitives_culled == 0);
-    CHECK(cut.triangles_set_up == 1);
+    CHECK(cut.primitives_drawn == 1);
 }
 
 TEST_CASE("early depth kills quads and counts them", "[counters][depth]") {

@@ -16,9 +16,17 @@ using oracle::Random;
 
 namespace {
 
+/// Whole pixels.
+struct Area {
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+};
+
 struct Canvas {
     int width, height;
-    Viewport viewport{};  // width 0: the whole target
+    Area viewport{};  // width 0: the whole target
 };
 
 /// Clip-space vertices whose snapped positions are computed by the oracle, not assumed.
@@ -84,7 +92,7 @@ std::array<Point, 3> random_points(Random& random, int kind, int width, int heig
 
 /// The clip-space vertex for a wanted position, and where the specification's own arithmetic puts it.
 Case make_case(Random& random, const std::array<Point, 3>& wanted, const Canvas& canvas, int bits, float id) {
-    const Viewport& v = canvas.viewport;
+    const Area& v = canvas.viewport;
     const int x0 = v.width == 0 ? 0 : v.x;
     const int y0 = v.width == 0 ? 0 : v.y;
     const int width = v.width == 0 ? canvas.width : v.width;
@@ -125,8 +133,9 @@ std::uint64_t check_cases(const Profile& profile, const Canvas& canvas, std::uin
     const BufferId buffer = upload(device, vertices);
     Draw draw = make_draw(id_program(), buffer, 0, 3);
     draw.color[0] = target;
-    draw.viewport = canvas.viewport;
-    const Viewport& v = canvas.viewport;
+    draw.viewport = {static_cast<float>(canvas.viewport.x), static_cast<float>(canvas.viewport.y),
+                     static_cast<float>(canvas.viewport.width), static_cast<float>(canvas.viewport.height)};
+    const Area& v = canvas.viewport;
     std::uint64_t covered = 0;
     for (int i = 0; i < count; ++i) {
         draw.first = static_cast<std::uint32_t>(3 * i);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include <climits>
+#include <limits>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -77,28 +78,30 @@ TEST_CASE("draws with bad arguments throw and change nothing", "[errors]") {
     with([](Draw& d) { d.count = UINT_MAX; });                   // a multiple of 3
     with([&](Draw& d) { d.indices = b.indices, d.first = 1; });  // index 3 is past the vertices
     with([&](Draw& d) { d.indices = b.indices, d.first = 2; });  // past the indices
-    with([](Draw& d) { d.color[0] = TextureId::None; });
+    with([](Draw& d) { d.color[0] = TextureId::None, d.depth = TextureId::None; });
     with([](Draw& d) { d.color[0] = static_cast<TextureId>(99); });
     with([&](Draw& d) { d.color[0] = b.depth; });
     with([&](Draw& d) { d.color[0] = b.wide; });
     with([&](Draw& d) { d.depth = b.color; });
     with([&](Draw& d) { d.depth = b.small_depth; });
     with([](Draw& d) { d.depth = static_cast<TextureId>(99); });
-    with([](Draw& d) { d.viewport = {0, 0, 9, 4}; });
-    with([](Draw& d) { d.viewport = {1, 0, 8, 4}; });
-    with([](Draw& d) { d.viewport = {0, 1, 8, 4}; });
-    with([](Draw& d) { d.viewport = {-1, 0, 4, 4}; });
-    with([](Draw& d) { d.viewport = {0, -1, 4, 4}; });
     with([](Draw& d) { d.viewport = {4, 0, -2, 4}; });
     with([](Draw& d) { d.viewport = {0, 0, 4, 0}; });
+    with([](Draw& d) { d.viewport = {0, 0, 0, 4}; });
+    with([](Draw& d) { d.viewport = {1, 0, 0, 0}; });
+    with([](Draw& d) { d.viewport = {0, 0, 4, std::numeric_limits<float>::quiet_NaN()}; });
+    with([](Draw& d) { d.viewport = {0, 0, 4, 4, 0.5f, 0.25f}; });
+    with([](Draw& d) { d.viewport = {0, 0, 4, 4, -0.5f, 1.0f}; });
+    with([](Draw& d) { d.viewport = {0, 0, 4, 4, 0.0f, std::numeric_limits<float>::quiet_NaN()}; });
     b.device.execute(b.draw);
     for (const float id : floats_of(b.device.texture(b.color))) CHECK(id == 5.0f);
 }
 
 TEST_CASE("hostile viewports do not overflow", "[errors]") {
     Bench b;
-    for (const Viewport& v : {Viewport{INT_MAX, 0, 1, 1}, Viewport{0, INT_MAX, 1, INT_MAX}, Viewport{INT_MIN, 0, INT_MAX, 4},
-                              Viewport{1, 0, INT_MAX, 4}}) {
+    constexpr float kHuge = 3e38f;
+    for (const Viewport& v : {Viewport{kHuge, 0, 1, 1}, Viewport{0, kHuge, 1, kHuge}, Viewport{-kHuge, 0, kHuge, 4},
+                              Viewport{1, 0, kHuge, 4}, Viewport{32000, 0, 1000, 4}, Viewport{-32769, 0, 8, 4}}) {
         Draw bad = b.draw;
         bad.viewport = v;
         b.refuses(bad);

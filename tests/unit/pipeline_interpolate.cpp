@@ -32,12 +32,12 @@ Inspected inspect(const std::vector<TestVertex>& vertices, int width, int height
     Draw draw = make_draw(inspect_program(), upload(device, vertices), 0, static_cast<std::uint32_t>(vertices.size()));
     for (std::size_t i = 0; i < 3; ++i) {
         draw.color[i] = device.create_texture("target", {.format = Format::Rgba32Float, .width = width, .height = height});
-        device.execute(ClearColor{draw.color[i], glm::vec4(kUntouched)});
+        device.execute(ClearColor{draw.color[i].texture, glm::vec4(kUntouched)});
     }
     device.enable_counters(true);
     device.execute(draw);
     Inspected out{width, height, {}, device.take_counters()};
-    for (std::size_t i = 0; i < 3; ++i) out.targets[i] = floats_of(device.texture(draw.color[i]));
+    for (std::size_t i = 0; i < 3; ++i) out.targets[i] = floats_of(device.texture(draw.color[i].texture));
     return out;
 }
 
@@ -265,7 +265,7 @@ TEST_CASE("several targets of different formats take the same colours", "[output
             draw.color[i] = device.create_texture("t", {.format = formats[i], .width = 9, .height = 5});
         device.execute(draw);
         for (std::size_t i = 0; i < 3; ++i) {
-            const Texture& texture = device.texture(draw.color[i]);
+            const Texture& texture = device.texture(draw.color[i].texture);
             const FormatInfo& info = texture.info();
             const auto bytes = texture.level_bytes(0);
             for (int y = 0; y < 5; ++y)

@@ -1,6 +1,6 @@
 #include "tests/unit/pipeline_programs.h"
 
-#include "pipeline/draw.h"
+#include "pipeline/program.h"
 
 namespace gnomon::testing {
 
@@ -70,7 +70,7 @@ std::span<const std::byte> pixel_constants(const Program& program) {
     static const WriteId id;
     static const Inspect inspect;
     if (program.pixel_constants_size == 0) return {};
-    return program.targets == 1 ? constants_of(id) : constants_of(inspect);
+    return program.targets() == 1 ? constants_of(id) : constants_of(inspect);
 }
 
 Draw make_draw(const Program& program, BufferId vertices, std::uint32_t first, std::uint32_t count) {

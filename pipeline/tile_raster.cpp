@@ -1,0 +1,438 @@
+#include "pipeline/tile_raster.h"
+
+#include "pipeline/coverage.h"
+#include "pipeline/depth.h"
+#include "pipeline/line.h"
+
+#include <optional>
+
+namespace gnomon {
+
+namespace {
+
+std::uint64_t count(std::uint32_t lanes) { return static_cast<std::uint64_t>(std::popcount(lanes)); }
+
+/// The samples whose bits an alpha sets. D3D11.3 17.18
+template <class Real>
+Int alpha_coverage(const Real& alpha, int samples, AlphaToCoverage rule) {
+    const Real scaled = saturate(alpha) * Real(static_cast<float>(samples));
+    const Int full(static_cast<std::int32_t>((1u << samples) - 1u));
+    switch (rule) {
+        case AlphaToCoverage::Rounded: {
+            const Int set = truncate_to_int(scaled + Real(0.5f));
+            return shift_left(Int(1), set) - Int(1) & full;
+        }
+        case AlphaToCoverage::Ramp: {
+            Int mask(0);
+            for (int s = 0; s < samples; ++s) mask = mask | select(scaled > Real(static_cast<float>(s)), Int(1 << s), Int(0));
+            return mask;
+        }
+    }
+    __builtin_unreachable();
+}
+
+/// Lanes whose mask has bit s.
+std::uint32_t lanes_with_bit(Int masks, int s) { return ((masks & Int(1 << s)) != Int(0)).bits(); }
+
+/// A tile of targets with several samples per pixel, or with one.
+template <class Real, bool kMulti>
+class TileRaster {
+public:
+    using Scalar = typename Real::Scalar;
+    /// Lanes by sample.
+    using SampleMasks = std::array<std::uint32_t, kMulti ? kMaxSamples : 1>;
+
+    TileRaster(const TileState& state, int tile_x, int tile_y, Tally* tally)
+        : state_(state),
+          tile_{tile_x, tile_y, tile_x + kTileSize, tile_y + kTileSize},
+          tally_(tally),
+          samples_(kMulti ? state.pattern.count : 1) {
+        for (const ColorTarget& target : state.color) color_[colors_++] = target;
+        if (state.depth_texture == nullptr) return;
+        const PixelRect limit = intersect(tile_, {0, 0, state.width, state.height});
+        depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
+        hierarchy_.emplace(*depth_, tile_x, tile_y, limit, samples_);
+        uses_hierarchy_ = hierarchy_->usable() && !(state.program->pixel.writes_depth && state.order != DepthOrder::Early);
+    }
+
+    void draw(const Primitive<Scalar>& primitive) {
+        primitive_ = &primitive;
+        if (primitive.layer != layer_) set_layer(primitive.layer);
+        range_ = {static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.min_depth),
+                  static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.max_depth)};
+        if (primitive.shape == PrimitiveShape::AliasedLine) {
+            draw_line();
+        } else {
+            draw_triangle();
+        }
+        if (!packer_.empty()) shade(packer_.take());
+    }
+
+private:
+    void set_layer(int layer) {
+        layer_ = layer;
+        for (std::size_t i = 0; i < colors_; ++i)
+            if (color_[i].texture != nullptr) color_[i].set_layer(layer);
+        if (!depth_) return;
+        depth_->set_layer(layer);
+        hierarchy_->forget_all();
+    }
+
+    void draw_triangle() {
+        const TileEdges edges(primitive_->edges, state_.pattern, tile_.x0, tile_.y0);
+        if (edges.outside) return;
+        if (tally_ != nullptr) ++tally_->counters.tiles;
+        const LaneSteps steps(edges);
+        const PixelRect area = intersect(primitive_->bounds, tile_);
+
+        // Blocks that the bounds touch, in rows.
+        for (int y = area.y0 & ~(kBlockSize - 1); y < area.y1; y += kBlockSize) {
+            for (int x = area.x0 & ~(kBlockSize - 1); x < area.x1; x += kBlockSize) {
+                const BlockEdges block(edges, x - tile_.x0, y - tile_.y0);
+                if (block.outside || hidden(x, y)) continue;
+                draw_block(edges, block, steps, area, x, y);
+            }
+        }
+    }
+
+    void draw_line() {
+        const PixelRect area = intersect(primitive_->bounds, tile_);
+        const TileBits bits = line_coverage(primitive_->line[0], primitive_->line[1], area, tile_.x0, tile_.y0);
+        if (tally_ != nullptr) ++tally_->counters.tiles;
+        for (int y = area.y0 & ~1; y < area.y1; y += 2) {
+            for (int x = area.x0 & ~1; x < area.x1; x += 2) {
+                const auto pair = [&](int row) {
+                    return static_cast<std::uint32_t>(bits.rows[static_cast<std::size_t>(row - tile_.y0)] >> (x - tile_.x0) &
+                                                      3u);
+                };
+                const std::uint32_t mask = pair(y) | pair(y + 1) << 2;
+                if (mask == 0) continue;
+                SampleMasks samples;
+                samples.fill(mask);  // every sample of the pixel. D3D11.3 15.14.1
+                add_quad(x, y, mask, samples, 0);
+            }
+        }
+    }
+
+    /// Hierarchical depth: the nearest depth of the primitive over the block against the farthest one stored.
+    bool hidden(int x, int y) {
+        if (!uses_hierarchy_) return false;
+        const bool low = hierarchy_->larger_is_far();
+        const PixelRect& extent = state_.sample_extent;
+        const auto nearest = [&](int pixel, int first, int last, Scalar slope) {
+            return (slope > 0) == low ? pixel * kSubpixels + first : (pixel + kBlockSize - 1) * kSubpixels + last;
+        };
+        const Scalar z = depth_at(*primitive_, nearest(x, extent.x0, extent.x1, primitive_->z_dx),
+                                  nearest(y, extent.y0, extent.y1, primitive_->z_dy)) +
+                         primitive_->z_bias;
+        const bool rejected = hierarchy_->rejects((x - tile_.x0) / kBlockSize, (y - tile_.y0) / kBlockSize,
+                                                  depth_code_scalar(z, range_, depth_->type()));
+        if (rejected && tally_ != nullptr) ++tally_->counters.blocks_rejected;
+        return rejected;
+    }
+
+    void draw_block(const TileEdges& edges, const BlockEdges& block, const LaneSteps& steps, const PixelRect& area, int x,
+                    int y) {
+        const bool whole = x >= area.x0 && y >= area.y0 && x + kBlockSize <= area.x1 && y + kBlockSize <= area.y1;
+        for (int dy = 0; dy < kBlockSize; dy += kWaveHeight) {
+            for (int dx = 0; dx < kBlockSize; dx += kWaveWidth) {
+                SampleMasks samples;
+                std::uint32_t covered = kAllLanes;
+                if (block.inside) {
+                    samples.fill(kAllLanes);
+                } else {
+                    const auto values = edge_values(edges, block, steps, dx, dy);
+                    covered = samples[0] = coverage(values);
+                    if constexpr (kMulti) {
+                        for (std::size_t s = 1; s < static_cast<std::size_t>(samples_); ++s)
+                            covered |= samples[s] = coverage(values, edges, s);
+                    }
+                    if (covered == 0) continue;
+                }
+                if (!whole) {
+                    const std::uint32_t inside = lanes_inside(area, x + dx, y + dy);
+                    covered &= inside;
+                    for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) samples[s] &= inside;
+                    if (covered == 0) continue;
+                }
+                add(x + dx, y + dy, covered, samples);
+            }
+        }
+    }
+
+    /// A full row of quads goes straight on; loose quads are packed.
+    void add(int x, int y, std::uint32_t covered, SampleMasks& samples) {
+        if (state_.output.sample_mask != ~0u) covered = mask_samples(samples);
+        if (covered == 0) return;
+        if (quad_any(covered) == kAllLanes) {
+            Wave wave = row_wave(x, y, covered);
+            if constexpr (kMulti) std::copy_n(samples.begin(), samples_, wave.samples.begin());
+            shade(wave);
+            return;
+        }
+        for (int q = 0; q < kQuadsPerWave; ++q) {
+            const std::uint32_t mask = covered >> (4 * q) & 0xfu;
+            if (mask != 0) pack(x + 2 * q, y, mask, samples, q);
+        }
+    }
+    void add_quad(int x, int y, std::uint32_t mask, SampleMasks& samples, int from) {
+        if (state_.output.sample_mask != ~0u) mask = mask_samples(samples);
+        if (mask != 0) pack(x, y, mask, samples, from);
+    }
+    void pack(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
+        if constexpr (kMulti) {
+            packer_.add(x, y, mask, std::span(samples).first(static_cast<std::size_t>(samples_)), from);
+        } else {
+            packer_.add(x, y, mask);
+        }
+        if (packer_.full()) shade(packer_.take());
+    }
+    /// Takes off the samples that the sample mask lacks; returns the lanes that are left. D3D11.3 17.17
+    std::uint32_t mask_samples(SampleMasks& samples) const {
+        std::uint32_t any = 0;
+        for (int s = 0; s < samples_; ++s) {
+            const auto i = static_cast<std::size_t>(s);
+            if ((state_.output.sample_mask >> s & 1u) == 0) samples[i] = 0;
+            any |= samples[i];
+        }
+        return any;
+    }
+
+    /// Depth at sample s, or at the pixel centre where there is one.
+    Real depth_of(const Wave& wave, int s) const {
+        const auto at =
+            kMulti ? sample_offset<Real>(wave, state_.pattern.at[static_cast<std::size_t>(s)], primitive_->x0, primitive_->y0)
+                   : centre_offset<Real>(wave, primitive_->x0, primitive_->y0);
+        return biased(interpolate_depth(*primitive_, at));
+    }
+    Real centre_depth(const Wave& wave) const {
+        return biased(interpolate_depth(*primitive_, centre_offset<Real>(wave, primitive_->x0, primitive_->y0)));
+    }
+    Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
+
+    void shade(const Wave& wave) {
+        SampleMasks live;
+        if constexpr (kMulti) {
+            std::copy_n(wave.samples.begin(), samples_, live.begin());
+        } else {
+            live[0] = wave.covered;
+        }
+        if (tally_ != nullptr) {
+            tally_->counters.quads_covered += static_cast<std::uint64_t>(wave.quads);
+            for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+                tally_->counters.samples_covered += count(live[s]);
+        }
+
+        std::uint32_t any = wave.covered;
+        if (depth_ && state_.order != DepthOrder::Late) {
+            any = 0;
+            for (int s = 0; s < samples_; ++s) {
+                auto& mask = live[static_cast<std::size_t>(s)];
+                if (mask != 0) mask = test(wave, mask, depth_of(wave, s), s, state_.order == DepthOrder::Early);
+                any |= mask;
+            }
+            if (tally_ != nullptr)
+                tally_->counters.quads_early_killed += static_cast<std::uint64_t>(wave.quads) - count(quad_any(any)) / 4;
+        }
+        if (any == 0) return;
+        const auto functor = state_.program->shade_wave.template get<Real>();
+        if (functor == nullptr) {
+            if (depth_ && state_.order != DepthOrder::Early) finish_depth(wave, live, nullptr);
+            count_passed(live);
+        } else if (state_.program->pixel.per_sample) {
+            for (int s = 0; s < samples_; ++s)
+                if (live[static_cast<std::size_t>(s)] != 0) run_functor(functor, wave, live, s, depth_of(wave, s));
+        } else {
+            run_functor(functor, wave, live, -1, centre_depth(wave));
+        }
+    }
+
+    /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
+    void run_functor(ShadeWave<Real> functor, const Wave& wave, SampleMasks live, int sample, const Real& depth) {
+        const int first = sample < 0 ? 0 : sample;
+        const int end = sample < 0 ? samples_ : sample + 1;
+        std::uint32_t counting = 0;
+        for (int s = 0; s < samples_; ++s) {
+            auto& mask = live[static_cast<std::size_t>(s)];
+            if (s < first || s >= end) mask = 0;
+            counting |= mask;
+        }
+        const PixelTraits& traits = state_.program->pixel;
+        const PixelJob<Real> job{.primitive = *primitive_,
+                                 .wave = wave,
+                                 .pattern = state_.pattern,
+                                 .sample_mask = state_.output.sample_mask,
+                                 .system = {.primitive_id = primitive_->id,
+                                            .layer = primitive_->layer,
+                                            .viewport = primitive_->viewport,
+                                            .front = primitive_->front,
+                                            .sample = sample,
+                                            .samples = samples_},
+                                 .depth = depth,
+                                 .counting = counting,
+                                 .environment = state_.environment,
+                                 .tally = tally_};
+        PixelResult<Real> result;
+        functor(state_.pixel_functor, job, result);
+        if (tally_ != nullptr) count_shaded(counting, result);
+
+        // What the functor and alpha leave of the coverage.
+        Int coverage(-1);
+        const bool masked = traits.writes_coverage || (state_.output.alpha_to_coverage && traits.targets > 0);
+        if (traits.writes_coverage) {
+            coverage = result.coverage;
+        } else if (masked) {
+            coverage = alpha_coverage(result.colors[0].w, samples_, state_.environment.profile->alpha_to_coverage);
+        }
+        for (int s = first; s < end; ++s) {
+            auto& mask = live[static_cast<std::size_t>(s)];
+            mask &= ~result.killed;
+            if (masked) mask &= lanes_with_bit(coverage, s);
+        }
+        if (depth_ && state_.order != DepthOrder::Early)
+            finish_depth(wave, live, traits.writes_depth ? &result.depth : nullptr);
+        count_passed(live);
+        write_colors(wave, live, first, end, result);
+        if (state_.derivative_report != nullptr) report_derivatives(wave, live, result.causes);
+    }
+
+    /// The tests that were put off, and their writes.
+    void finish_depth(const Wave& wave, SampleMasks& live, const Real* depth) {
+        for (int s = 0; s < samples_; ++s) {
+            auto& mask = live[static_cast<std::size_t>(s)];
+            if (mask != 0) mask = test(wave, mask, depth != nullptr ? *depth : depth_of(wave, s), s, true);
+        }
+    }
+
+    /// Depth and stencil of the lanes in `mask` at sample s: those that pass. D3D11.3 17.9 to 17.12
+    std::uint32_t test(const Wave& wave, std::uint32_t mask, const Real& z, int s, bool writes) {
+        const StencilState& stencil = depth_->stencil();
+        std::uint32_t passed = mask;
+        if (stencil.test) {
+            passed = depth_->test_stencil(wave, mask, s, primitive_->front);
+            if (tally_ != nullptr) {
+                tally_->counters.samples_stencil_tested += count(mask);
+                tally_->read(state_.depth_view.texture, count(mask));
+            }
+        }
+        const std::uint32_t stencil_passed = passed;
+        if (depth_->depth().test && passed != 0) {
+            const Int code = depth_code(z, range_, depth_->type());
+            Int stored;
+            passed = depth_->test(wave, passed, code, s, stored);
+            const bool stores = writes && depth_->depth().write && passed != 0;
+            if (stores) {
+                depth_->write(wave, code, stored, passed, s);
+                for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
+                    hierarchy_->forget(wave.quad_x[q], wave.quad_y[q]);
+            }
+            if (tally_ != nullptr) {
+                const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
+                tally_->counters.samples_depth_tested += count(stencil_passed);
+                tally_->read(state_.depth_view.texture, count(stencil_passed) * bytes);
+                if (stores) tally_->write(state_.depth_view.texture, count(passed) * bytes);
+            }
+        }
+        if (stencil.test && writes) {
+            const StencilFace& face = primitive_->front ? stencil.front : stencil.back;
+            update_stencil(wave, mask & ~stencil_passed, s, face.fail);
+            update_stencil(wave, stencil_passed & ~passed, s, face.depth_fail);
+            update_stencil(wave, passed, s, face.pass);
+        }
+        return passed;
+    }
+    void update_stencil(const Wave& wave, std::uint32_t mask, int s, StencilOp op) {
+        depth_->update_stencil(wave, mask, s, op);
+        if (tally_ != nullptr && op != StencilOp::Keep) tally_->write(state_.depth_view.texture, count(mask));
+    }
+
+    void write_colors(const Wave& wave, const SampleMasks& live, int first, int end, const PixelResult<Real>& result) {
+        for (std::size_t i = 0; i < colors_; ++i) {
+            const ColorTarget& target = color_[i];
+            if (target.texture == nullptr || target.state.write_mask == 0) continue;
+            const OutputColors<Real> colors{result.colors[i], result.colors[1], state_.output.blend_constant};
+            for (int s = first; s < end; ++s) {
+                const std::uint32_t mask = live[static_cast<std::size_t>(s)];
+                if (mask == 0) continue;
+                write_color(target, wave, mask, s, colors, *state_.environment.profile);
+                if (tally_ != nullptr) count_written(target, mask);
+            }
+        }
+    }
+
+    void report_derivatives(const Wave& wave, const SampleMasks& live, const DerivativeCauses& causes) {
+        std::uint32_t any = 0;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) any |= live[s];
+        for (std::uint32_t rest = any; rest != 0; rest &= rest - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+            const std::uint32_t bit = 1u << lane;
+            const std::uint32_t texel = ((causes.helper & bit) != 0 ? kFromHelper : 0u) |
+                                        ((causes.killed & bit) != 0 ? kFromKilled : 0u) |
+                                        ((causes.inactive & bit) != 0 ? kFromInactive : 0u);
+            std::byte* row = state_.derivative_report->row(0, wave.quad_y[lane / 4] + static_cast<int>(lane >> 1 & 1u));
+            std::memcpy(row + (wave.quad_x[lane / 4] + static_cast<int>(lane & 1u)) * 4, &texel, 4);
+        }
+    }
+
+    void count_passed(const SampleMasks& live) {
+        if (tally_ == nullptr) return;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) tally_->counters.samples_passed += count(live[s]);
+    }
+    void count_shaded(std::uint32_t counting, const PixelResult<Real>& result) {
+        Counters& c = tally_->counters;
+        const std::uint64_t shaded = count(quad_any(counting));
+        c.quads_shaded += shaded / 4;
+        c.values_interpolated += shaded / 4 * static_cast<std::uint64_t>(state_.program->varyings);
+        c.lanes_shaded += count(counting);
+        c.lanes_helper += shaded - count(counting);
+        c.lanes_discarded += count(counting & result.killed);
+    }
+    void count_written(const ColorTarget& target, std::uint32_t mask) {
+        const std::uint64_t bytes = count(mask) * texel_bytes(target.texture->info());
+        tally_->counters.samples_written += count(mask);
+        tally_->write(target.view.texture, bytes);
+        if (target.state.enable) {
+            tally_->counters.samples_blended += count(mask);
+            tally_->read(target.view.texture, bytes);
+        }
+    }
+
+    const TileState& state_;
+    PixelRect tile_;
+    Tally* tally_;
+    int samples_;
+    int layer_ = 0;
+    bool uses_hierarchy_ = false;
+    const Primitive<Scalar>* primitive_ = nullptr;
+    DepthRange<Scalar> range_;
+    std::array<ColorTarget, kMaxTargets> color_;
+    std::size_t colors_ = 0;
+    std::optional<DepthTarget> depth_;
+    std::optional<HierarchicalDepth> hierarchy_;
+    QuadPacker packer_;
+};
+
+}  // namespace
+
+template <class Real>
+void raster_tile(const TileState& state, const BinnedPrimitives<typename Real::Scalar>& binned, std::uint32_t tile, int tiles_x,
+                 Tally* tally) {
+    const int tile_x = static_cast<int>(tile) % tiles_x * kTileSize;
+    const int tile_y = static_cast<int>(tile) / tiles_x * kTileSize;
+    const auto draw_all = [&](auto& raster) {
+        for (std::uint32_t r = binned.tile_start[tile]; r < binned.tile_start[tile + 1]; ++r)
+            raster.draw(binned.chunks[binned.refs[r].chunk].pieces[binned.refs[r].index]);
+    };
+    if (state.pattern.count > 1) {
+        TileRaster<Real, true> raster(state, tile_x, tile_y, tally);
+        draw_all(raster);
+    } else {
+        TileRaster<Real, false> raster(state, tile_x, tile_y, tally);
+        draw_all(raster);
+    }
+}
+
+template void raster_tile<Float>(const TileState&, const BinnedPrimitives<float>&, std::uint32_t, int, Tally*);
+template void raster_tile<Double>(const TileState&, const BinnedPrimitives<double>&, std::uint32_t, int, Tally*);
+
+}  // namespace gnomon
