@@ -70,8 +70,15 @@ const Buffer& Device::buffer(BufferId id) const {
 void Device::run(const CreateBuffer& command) {
     if (static_cast<std::size_t>(command.id) != buffers_.size() + 1)
         fail("buffer {}: ids go up one by one; expected {}", static_cast<std::size_t>(command.id), buffers_.size() + 1);
-    buffers_.push_back(std::make_unique<Buffer>(
-        Buffer{std::string(command.label), std::vector<std::byte>(command.data.begin(), command.data.end())}));
+    const std::size_t size = command.size == 0 ? command.data.size() : command.size;
+    if (size < command.data.size() || size > kMaxBufferBytes)
+        fail("buffer {} of {} bytes: expected {} (its data) to {}", static_cast<std::size_t>(command.id), size,
+             command.data.size(), kMaxBufferBytes);
+    auto buffer = std::make_unique<Buffer>(Buffer{std::string(command.label), {}});
+    buffer->data.reserve(size);
+    buffer->data.assign(command.data.begin(), command.data.end());
+    buffer->data.resize(size);
+    buffers_.push_back(std::move(buffer));
 }
 
 void Device::run(const CreateTexture& command) {

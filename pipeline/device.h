@@ -40,6 +40,7 @@ public:
 
     /// Shorthands that pick the next id.
     BufferId create_buffer(std::string_view label, std::span<const std::byte> data);
+    BufferId create_zeroed_buffer(std::string_view label, std::size_t bytes);
     TextureId create_texture(std::string_view label, const TextureDesc& desc);
 
     /// Throws Error for an id that was never created.
@@ -62,6 +63,8 @@ private:
     void run(const ClearDepth& command);
     void run(const GenerateMips& command);
     void run(const Draw& command);
+    void run(const WriteBuffer& command);
+    void run(const Dispatch& command);
     Texture& mutable_texture(TextureId id);
 
     Profile profile_;

@@ -26,6 +26,13 @@ struct Counters {
     std::uint64_t texels_fetched = 0;        // per lane that counts
     std::uint64_t invalid_derivatives = 0;   // derivatives, per lane that counts, taken in a quad with a helper lane
 
+    std::uint64_t compute_groups = 0;        // groups of dispatches that ran
+    std::uint64_t compute_threads = 0;       // threads of these groups, idle ones in a narrower block included
+    std::uint64_t buffer_bytes_read = 0;     // by compute threads that are active, inside the buffer; an atomic
+    std::uint64_t buffer_bytes_written = 0;  // operation reads and writes its word
+    std::uint64_t image_bytes_read = 0;      // likewise, inside the level
+    std::uint64_t image_bytes_written = 0;
+
     static constexpr auto fields() {
         using C = Counters;
         return std::tuple{Field{"vertices", &C::vertices},
@@ -44,7 +51,13 @@ struct Counters {
                           Field{"texture_instructions", &C::texture_instructions},
                           Field{"texture_probes", &C::texture_probes},
                           Field{"texels_fetched", &C::texels_fetched},
-                          Field{"invalid_derivatives", &C::invalid_derivatives}};
+                          Field{"invalid_derivatives", &C::invalid_derivatives},
+                          Field{"compute_groups", &C::compute_groups},
+                          Field{"compute_threads", &C::compute_threads},
+                          Field{"buffer_bytes_read", &C::buffer_bytes_read},
+                          Field{"buffer_bytes_written", &C::buffer_bytes_written},
+                          Field{"image_bytes_read", &C::image_bytes_read},
+                          Field{"image_bytes_written", &C::image_bytes_written}};
     }
 
     Counters& operator+=(const Counters& other) {
