@@ -48,7 +48,8 @@ inline void store_words(std::int32_t* words, Int index, Int value, Mask valid) {
     for_each_lane(valid, [&](std::size_t i) { words[to[i]] = from[i]; });
 }
 
-/// Read-modify-write of one word. What they leave does not depend on their order. D3D11.3 22.17.8 to 22.17.16
+/// Read-modify-write of one word. What they leave does not depend on their order.
+/// D3D11.3 22.17.8, 22.17.9, 22.17.10, 22.17.12, 22.17.13, 22.17.14, 22.17.15, 22.17.16
 enum class AtomicOp { Add, And, Or, Xor, Min, Max, MinUnsigned, MaxUnsigned };
 
 template <AtomicOp kOp>

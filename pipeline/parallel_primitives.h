@@ -54,7 +54,7 @@ public:
     /// The words that differ in a bit from the word before them: of sorted words, each once. Returns how many, as compact does.
     int unique(BufferId from, BufferId to, int count);
 
-    /// Sorts the first `count` words, ascending and stable. Floats go by IEEE 754-2019 5.10 totalOrder: -NaN, -infinity, ...,
+    /// Sorts the first `count` words, ascending and stable. Floats go by totalOrder of IEEE 754 5.10: -NaN, -infinity, ...,
     /// -0, +0, ..., +infinity, NaN.
     template <class Word>
     void radix_sort(BufferId keys, int count);
