@@ -103,6 +103,7 @@ public:
           dispatch_(dispatch),
           counters_(counters) {}
 
+    // D3D11.3 18.6.4
     const Int index;        // of the thread in its group, x fastest. D3D11.3 23.14
     const Vec3<Int> local;  // position in the group. D3D11.3 23.13
     const Vec3<Int> id;     // position in the grid of all threads. D3D11.3 23.11
@@ -291,7 +292,7 @@ public:
     SharedArray<Int> shared_int(int count) { return shared<Int>(count); }
     SharedArray<Real> shared_real(int count) { return shared<Real>(count); }
 
-    /// Runs body(t) for all threads of the group, a wave at a time; then all have arrived.
+    /// Runs body(t) for all threads of the group, a wave at a time; then all have arrived. D3D11.3 18.6.7
     template <class Body>
     void threads(const Body& body) {
         threads(kSize.threads(), body);

@@ -48,7 +48,8 @@ struct ImageBinding {
 };
 }  // namespace detail
 
-/// Texels as numbers, of every format but unsigned integers. Depth is read, never written.
+/// Texels as numbers, of every format but unsigned integers. Depth is read, never written. What an Rw image may be written, it
+/// may be read: the specification asks that of R32 formats only. D3D11.3 5.3.9.5
 using ReadImage = detail::ImageBinding<detail::ImageAccess::Read>;
 using RwImage = detail::ImageBinding<detail::ImageAccess::Rw>;
 /// Texels as codes, of formats of unsigned integers.

@@ -1,7 +1,8 @@
 // Arrays of 32-bit words that lanes read and write by index: the memory side of buffers and of group-shared memory.
 //
 // Indices are unsigned: a negative Int is past every end. Reads out of range give 0, writes and atomics out of range do
-// nothing. D3D11.3 22.4.10 to 22.4.13, 22.17.8 to 22.17.16. (Of group-shared memory the specification leaves both undefined.)
+// nothing. D3D11.3 22.4.10, 22.4.11, 22.4.12, 22.4.13, 22.17.8 and after. Of group-shared memory the specification leaves both
+// undefined: here it is the same.
 #pragma once
 
 #include "sim/double_lanes.h"
