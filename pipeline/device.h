@@ -54,6 +54,9 @@ public:
     /// Counting is off until asked for. Counters add up over draws until taken.
     void enable_counters(bool enabled) { counting_ = enabled; }
     Counters take_counters() { return std::exchange(counters_, {}); }
+    /// Off until asked for, for it is slow: every access of a dispatch is checked against those of all its other threads, and
+    /// execute() throws Error at the first two whose order would show in the result. What ran until then stays.
+    void set_race_check(bool enabled) { checks_races_ = enabled; }
 
 private:
     void run(const CreateBuffer& command);
@@ -75,6 +78,7 @@ private:
     std::unique_ptr<DrawScratch> scratch_;
     const std::atomic<bool>* stop_ = nullptr;
     bool counting_ = false;
+    bool checks_races_ = false;
     Counters counters_;
 };
 

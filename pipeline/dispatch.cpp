@@ -76,7 +76,8 @@ void Device::run(const Dispatch& dispatch) {
                  .buffers = buffers_,
                  .textures = textures_,
                  .counters = counting_ ? &counters_ : nullptr,
-                 .stop = stop_});
+                 .stop = stop_,
+                 .checks_races = checks_races_});
 }
 
 }  // namespace gnomon

@@ -371,3 +371,103 @@ TEST_CASE("a dispatch stops when asked", "[compute]") {
     device.set_stop(nullptr);
     CHECK_NOTHROW(dispatch(device, FewThreads{.to = {to}, .count = 50}));
 }
+
+namespace {
+
+/// Two threads per group; each touches the words that constants say, in one or in two blocks.
+struct TouchWords {
+    static constexpr GroupSize kGroupSize{2, 1, 1};
+    enum Way { kNothing, kRead, kWrite, kAtomic };
+
+    RwBuffer<std::int32_t> words;
+    RwImage image;
+    int first_way = kNothing;   // of thread 0 of every group
+    int second_way = kNothing;  // of thread 1 of every group
+    int first_word = 0;
+    int second_word = 0;
+    int per_group = 0;  // words from one group to the next
+    int barrier = 0;    // 1: thread 1 comes after it
+    int memory = 0;     // 0: the buffer, 1: shared memory, 2: texels of the image
+
+    static constexpr auto fields() {
+        using T = TouchWords;
+        return std::tuple{
+            Field{"words", &T::words},           Field{"image", &T::image},           Field{"first_way", &T::first_way},
+            Field{"second_way", &T::second_way}, Field{"first_word", &T::first_word}, Field{"second_word", &T::second_word},
+            Field{"per_group", &T::per_group},   Field{"barrier", &T::barrier},       Field{"memory", &T::memory}};
+    }
+    template <class T, class Shared>
+    void touch(const T& t, const Shared& shared, int way, Int word, Mask who) const {
+        using Real = typename T::Real;
+        if (memory == 2) {
+            if (way == kRead) (void)t.load(image, word, Int(0), who);
+            if (way == kWrite) t.store(image, word, Int(0), {Real(1.0f), Real(1.0f), Real(1.0f), Real(1.0f)}, who);
+        } else if (memory == 1) {
+            if (way == kRead) (void)t.load(shared, word, who);
+            if (way == kWrite) t.store(shared, word, Int(1), who);
+            if (way == kAtomic) t.atomic_add(shared, word, Int(1), who);
+        } else {
+            if (way == kRead) (void)t.load(words, word, who);
+            if (way == kWrite) t.store(words, word, Int(1), who);
+            if (way == kAtomic) t.atomic_add(words, word, Int(1), who);
+        }
+    }
+    template <class G>
+    void operator()(G& g) const {
+        const auto shared = g.shared_int(16);
+        const Int base(g.id.x * per_group);
+        g.threads([&](const auto& t) {
+            touch(t, shared, first_way, base + Int(first_word), t.index == Int(0));
+            if (barrier == 0) touch(t, shared, second_way, base + Int(second_word), t.index == Int(1));
+        });
+        if (barrier == 0) return;
+        g.threads([&](const auto& t) { touch(t, shared, second_way, base + Int(second_word), t.index == Int(1)); });
+    }
+};
+
+}  // namespace
+
+TEST_CASE("races are found wherever they are, and nothing else is", "[compute][races][7.14.2]") {
+    Device device(load_profile("d3d11"), 2);
+    device.set_race_check(true);
+    const BufferId words = device.create_zeroed_buffer("words", 64);
+    const TextureId image = device.create_texture("image", {.format = Format::R8Unorm, .width = 16, .height = 1});
+    int found = 0;
+    for (const int memory : {0, 1, 2}) {
+        for (int first = 0; first < 4; ++first) {
+            for (int second = 0; second < 4; ++second) {
+                for (const int same : {0, 1})
+                    for (const int barrier : {0, 1})
+                        for (const int apart : {0, 1}) {
+                            if (memory == 2 && (first == 3 || second == 3)) continue;
+                            CAPTURE(memory, first, second, same, barrier, apart);
+                            const TouchWords functor{.words = {words},
+                                                     .image = {image},
+                                                     .first_way = first,
+                                                     .second_way = second,
+                                                     .first_word = 3,
+                                                     .second_word = same == 1 ? 3 : 4,
+                                                     .per_group = apart == 1 ? 5 : 0,
+                                                     .barrier = barrier,
+                                                     .memory = memory};
+                            // Two ways to touch one word clash unless one is nothing, or both only read or both are atomic.
+                            const auto clash = [](int a, int b) { return a != 0 && b != 0 && (a != b || a == 2); };
+                            const bool in_group = same == 1 && barrier == 0 && clash(first, second);
+                            const bool between_groups =
+                                memory != 1 && apart == 0 &&
+                                (clash(first, first) || clash(second, second) || (same == 1 && clash(first, second)));
+                            if (in_group || between_groups) {
+                                CHECK_THROWS_AS(dispatch(device, functor, 2), Error);
+                                ++found;
+                            } else {
+                                CHECK_NOTHROW(dispatch(device, functor, 2));
+                            }
+                        }
+            }
+        }
+    }
+    CHECK(found > 50);
+    // Without the check nobody looks.
+    device.set_race_check(false);
+    CHECK_NOTHROW(dispatch(device, TouchWords{.words = {words}, .image = {image}, .first_way = 2}, 1));
+}

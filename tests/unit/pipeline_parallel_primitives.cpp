@@ -428,3 +428,19 @@ TEST_CASE("primitives refuse what they cannot do, and change nothing", "[compute
     CHECK(primitives.reduce<U>(a, 3, CombineOp::Sum) == 6u);
     CHECK(seen > 0);  // chains of dispatches are seen
 }
+
+TEST_CASE("primitives have no races", "[compute][primitives][races]") {
+    Device device(load_profile("d3d11"), 2);
+    device.set_race_check(true);
+    ParallelPrimitives primitives(device);
+    constexpr int kCount = 2 * 8192 + 77;
+    Random random(7);
+    const BufferId keys = upload_words(device, make_words<std::uint32_t>(Content::Random, kCount, random));
+    const BufferId values = upload_words(device, make_words<std::uint32_t>(Content::Few, kCount, random));
+    const BufferId to = device.create_zeroed_buffer("to", kCount * 4);
+    CHECK_NOTHROW(primitives.reduce<std::uint32_t>(keys, kCount, CombineOp::Sum));
+    CHECK_NOTHROW(primitives.exclusive_scan<float>(keys, to, kCount, CombineOp::Max));
+    CHECK_NOTHROW(primitives.radix_sort<std::int32_t>(keys, values, kCount));
+    CHECK_NOTHROW(primitives.compact(keys, values, to, kCount));
+    CHECK_NOTHROW(primitives.unique(keys, to, kCount));
+}
