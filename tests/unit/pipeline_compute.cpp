@@ -471,3 +471,40 @@ TEST_CASE("races are found wherever they are, and nothing else is", "[compute][r
     device.set_race_check(false);
     CHECK_NOTHROW(dispatch(device, TouchWords{.words = {words}, .image = {image}, .first_way = 2}, 1));
 }
+
+namespace {
+
+/// The example of docs/architecture.md.
+struct SumPerGroup {
+    static constexpr GroupSize kGroupSize{64, 1, 1};
+    ReadBuffer<float> values;
+    RwBuffer<float> sums;
+    static constexpr auto fields() {
+        return std::tuple{Field{"values", &SumPerGroup::values}, Field{"sums", &SumPerGroup::sums}};
+    }
+
+    template <class G>
+    void operator()(G& g) const {
+        const auto partial = g.shared_real(64);
+        g.threads([&](const auto& t) { t.store(partial, t.index, t.load(values, t.id.x)); });
+        for (int half = 32; half > 0; half /= 2)
+            g.threads(half, [&](const auto& t) {
+                t.store(partial, t.index, t.load(partial, t.index) + t.load(partial, t.index + Int(half)));
+            });
+        g.threads(1, [&](const auto& t) { t.store(sums, Int(g.id.x), t.load(partial, Int(0))); });
+    }
+};
+
+}  // namespace
+
+TEST_CASE("the example of the documentation sums per group", "[compute]") {
+    Device device(load_profile("d3d11"), 2);
+    device.set_race_check(true);
+    std::vector<float> values(640);
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+    const BufferId sums = device.create_zeroed_buffer("sums", 40);
+    dispatch(device, SumPerGroup{.values = {upload_words(device, values)}, .sums = {sums}}, 10);
+    const auto found = words_of<float>(device, sums);
+    for (int group = 0; group < 10; ++group)
+        CHECK(found[static_cast<std::size_t>(group)] == static_cast<float>(64 * (64 * group) + 63 * 64 / 2));
+}
