@@ -72,12 +72,12 @@ template <GroupSize kSize>
 inline constexpr ThreadPositions<kSize> kThreadPositions;
 
 /// One group of threads, as a compute functor sees it.
-template <class RealType, GroupSize kSize>
+template <class RealType, GroupSize kSize, bool kWatched>
 class GroupContext {
 public:
     using Real = RealType;
 
-    GroupContext(const DispatchContext& dispatch, const glm::ivec3& group, GroupMemory& memory, const GroupObservers& observers)
+    GroupContext(const DispatchContext& dispatch, const glm::ivec3& group, GroupMemory& memory, const GroupObservers* observers)
         : id(group), dispatch_(dispatch), memory_(memory), observers_(observers) {}
 
     const glm::ivec3 id;  // of the group in the grid of groups. D3D11.3 23.12
@@ -102,22 +102,23 @@ public:
         const auto& at = kThreadPositions<kSize>;
         const glm::ivec3 origin{id.x * kSize.x, id.y * kSize.y, id.z * kSize.z};
         const int last = std::min(count, kSize.threads());
-        if (observers_.races != nullptr) observers_.races->begin_block();
+        if constexpr (kWatched)
+            if (observers_->races != nullptr) observers_->races->begin_block();
         for (int first = 0; first < last; first += kLanes) {
             const Int index = Int(first) + lane_index();
             const Vec3<Int> local{Int::load(at.x.data() + first), Int::load(at.y.data() + first),
                                   Int::load(at.z.data() + first)};
-            body(ThreadContext<Real>(dispatch_, local, origin, index, index < Int(last), observers_));
+            body(ThreadContext<Real, kWatched>(dispatch_, local, origin, index, index < Int(last), observers_));
         }
     }
 
 private:
     const DispatchContext& dispatch_;
     GroupMemory& memory_;
-    const GroupObservers& observers_;
+    const GroupObservers* observers_;
 };
 
-template <class Real, class Functor>
+template <class Real, bool kWatched, class Functor>
 void run_groups(const DispatchContext& context, const Functor& functor) {
     const Dispatch& dispatch = context.dispatch;
     const std::uint64_t groups = std::uint64_t{dispatch.groups_x} * dispatch.groups_y * dispatch.groups_z;
@@ -139,7 +140,7 @@ void run_groups(const DispatchContext& context, const Functor& functor) {
                                 group / dispatch.groups_x / dispatch.groups_y};
             memory.begin_group();
             races.begin_group();
-            GroupContext<Real, Functor::kGroupSize> g(context, id, memory, observers);
+            GroupContext<Real, Functor::kGroupSize, kWatched> g(context, id, memory, &observers);
             functor(g);
         }
         if (context.counters != nullptr) {
@@ -154,10 +155,11 @@ void run_groups(const DispatchContext& context, const Functor& functor) {
 template <class Functor>
 void run_compute(const DispatchContext& context) {
     const auto functor = functor_from<Functor>(context.dispatch.constants);
-    if (context.profile.arithmetic == Arithmetic::Fp32) {
-        run_groups<Float>(context, functor);
+    const bool fp32 = context.profile.arithmetic == Arithmetic::Fp32;
+    if (context.counters != nullptr || context.checks_races) {
+        fp32 ? run_groups<Float, true>(context, functor) : run_groups<Double, true>(context, functor);
     } else {
-        run_groups<Double>(context, functor);
+        fp32 ? run_groups<Float, false>(context, functor) : run_groups<Double, false>(context, functor);
     }
 }
 

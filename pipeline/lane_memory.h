@@ -15,7 +15,9 @@
 namespace gnomon {
 
 /// Lanes of `wanted` whose index lies in [0, count).
-inline Mask in_range(Int index, std::int32_t count, Mask wanted) { return wanted & (index >= Int(0)) & (index < Int(count)); }
+GNOMON_INLINE Mask in_range(Int index, std::int32_t count, Mask wanted) {
+    return wanted & (index >= Int(0)) & (index < Int(count));
+}
 
 /// Calls visit(lane) for every set lane, in order.
 template <class Visit>
@@ -24,10 +26,10 @@ void for_each_lane(Mask mask, const Visit& visit) {
 }
 
 /// Every lane's index is one more than that of the lane before: the usual case, and one plain load or store.
-inline bool consecutive(Int index) { return all(index == Int(lane(index, 0)) + lane_index()); }
+GNOMON_INLINE bool consecutive(Int index) { return all(index == Int(lane(index, 0)) + lane_index()); }
 
 /// words[index] where `valid`, else 0. `valid` lanes must be in range; no other word is touched.
-inline Int load_words(const std::int32_t* words, Int index, Mask valid) {
+GNOMON_INLINE Int load_words(const std::int32_t* words, Int index, Mask valid) {
     if (all(valid)) {
         if (consecutive(index)) return Int::load(words + lane(index, 0));
         return gather(words, index);
@@ -39,7 +41,7 @@ inline Int load_words(const std::int32_t* words, Int index, Mask valid) {
 }
 
 /// words[index] = value where `valid`; of lanes with one index the last wins.
-inline void store_words(std::int32_t* words, Int index, Int value, Mask valid) {
+GNOMON_INLINE void store_words(std::int32_t* words, Int index, Int value, Mask valid) {
     if (all(valid) && consecutive(index)) {
         value.store(words + lane(index, 0));
         return;
@@ -98,8 +100,10 @@ struct SharedArray {
     std::int32_t count = 0;
 };
 
-inline Int load_shared(const SharedArray<Int>& array, Int index, Mask valid) { return load_words(array.words, index, valid); }
-inline Float load_shared(const SharedArray<Float>& array, Int index, Mask valid) {
+GNOMON_INLINE Int load_shared(const SharedArray<Int>& array, Int index, Mask valid) {
+    return load_words(array.words, index, valid);
+}
+GNOMON_INLINE Float load_shared(const SharedArray<Float>& array, Int index, Mask valid) {
     return float_of_bits(load_words(array.words, index, valid));
 }
 inline Double load_shared(const SharedArray<Double>& array, Int index, Mask valid) {
@@ -108,10 +112,10 @@ inline Double load_shared(const SharedArray<Double>& array, Int index, Mask vali
     for_each_lane(valid, [&](std::size_t i) { result.v[i] = array.words[from[i]]; });
     return result;
 }
-inline void store_shared(const SharedArray<Int>& array, Int index, Int value, Mask valid) {
+GNOMON_INLINE void store_shared(const SharedArray<Int>& array, Int index, Int value, Mask valid) {
     store_words(array.words, index, value, valid);
 }
-inline void store_shared(const SharedArray<Float>& array, Int index, Float value, Mask valid) {
+GNOMON_INLINE void store_shared(const SharedArray<Float>& array, Int index, Float value, Mask valid) {
     store_words(array.words, index, bits_of(value), valid);
 }
 inline void store_shared(const SharedArray<Double>& array, Int index, const Double& value, Mask valid) {

@@ -31,14 +31,15 @@ struct GroupObservers {
 };
 
 /// A wave of threads of one group, as a block of a compute functor sees it. Every memory access takes a mask of the lanes that
-/// make it; lanes that are not `active` never do.
-template <class RealType>
+/// make it; lanes that are not `active` never do. `kWatched`: somebody counts or checks; a class of its own, because a call
+/// that might happen costs as much as the loads around it.
+template <class RealType, bool kWatched>
 class ThreadContext {
 public:
     using Real = RealType;
 
     ThreadContext(const DispatchContext& dispatch, const Vec3<Int>& in_group, const glm::ivec3& group_origin, Int flat_index,
-                  Mask lanes, const GroupObservers& observers)
+                  Mask lanes, const GroupObservers* observers)
         : index(flat_index),
           local(in_group),
           id{in_group.x + Int(group_origin.x), in_group.y + Int(group_origin.y), in_group.z + Int(group_origin.z)},
@@ -55,7 +56,7 @@ public:
     // Buffers: one word per lane. A float that is stored is rounded to nearest even where the arithmetic is wider.
     template <template <class> class AnyBuffer, class Word>
         requires std::is_same_v<AnyBuffer<Word>, ReadBuffer<Word>> || std::is_same_v<AnyBuffer<Word>, RwBuffer<Word>>
-    auto load(const AnyBuffer<Word>& from, Int at, Mask mask = Mask(true)) const {
+    GNOMON_INLINE auto load(const AnyBuffer<Word>& from, Int at, Mask mask = Mask(true)) const {
         const Buffer& buffer = this->buffer(from.buffer);
         const Mask valid = in_range(at, word_count(buffer), mask & active);
         note(from.buffer, MemoryAccess::Read, at, valid);
@@ -66,24 +67,25 @@ public:
             return word;
         }
     }
-    void store(const RwBuffer<std::int32_t>& to, Int at, Int value, Mask mask = Mask(true)) const {
+    GNOMON_INLINE void store(const RwBuffer<std::int32_t>& to, Int at, Int value, Mask mask = Mask(true)) const {
         store_word(to.buffer, at, value, mask);
     }
     /// A NaN becomes the one quiet NaN without sign, as in textures (texunit/codec.h).
-    void store(const RwBuffer<float>& to, Int at, const Real& value, Mask mask = Mask(true)) const {
+    GNOMON_INLINE void store(const RwBuffer<float>& to, Int at, const Real& value, Mask mask = Mask(true)) const {
         const Float narrow = to_float(value);
         store_word(to.buffer, at, select(is_nan(narrow), Int(0x7fc00000), bits_of(narrow)), mask);
     }
 
     // Group-shared memory: one element per lane, at the full width of the arithmetic.
     template <class Lane>
-    Lane load(const SharedArray<Lane>& from, Int at, Mask mask = Mask(true)) const {
+    GNOMON_INLINE Lane load(const SharedArray<Lane>& from, Int at, Mask mask = Mask(true)) const {
         const Mask valid = in_range(at, from.count, mask & active);
         note(from, MemoryAccess::Read, at, valid);
         return load_shared(from, at, valid);
     }
     template <class Lane>
-    void store(const SharedArray<Lane>& to, Int at, const std::type_identity_t<Lane>& value, Mask mask = Mask(true)) const {
+    GNOMON_INLINE void store(const SharedArray<Lane>& to, Int at, const std::type_identity_t<Lane>& value,
+                             Mask mask = Mask(true)) const {
         const Mask valid = in_range(at, to.count, mask & active);
         note(to, MemoryAccess::Write, at, valid);
         store_shared(to, at, value, valid);
@@ -162,7 +164,7 @@ private:
     static const std::int32_t* words_of(const Buffer& buffer) {
         return reinterpret_cast<const std::int32_t*>(buffer.data.data());
     }
-    void store_word(BufferId to, Int at, Int value, Mask mask) const {
+    GNOMON_INLINE void store_word(BufferId to, Int at, Int value, Mask mask) const {
         Buffer& buffer = this->buffer(to);
         const Mask valid = in_range(at, word_count(buffer), mask & active);
         note(to, MemoryAccess::Write, at, valid);
@@ -182,66 +184,76 @@ private:
         update_words<kOp>(to.words, at, value, valid);
     }
 
-    // Every access passes one of these three, after its lanes are known to be in bounds.
-    void note(BufferId id_of_buffer, MemoryAccess access, Int at, Mask valid) const {
-        count_bytes(id_of_buffer, access, valid, 4);
-        if (observers_.races == nullptr) [[likely]]
-            return;
-        const std::int32_t* words = words_of(buffer(id_of_buffer));
-        check_races(
-            {access, false}, valid, [&](int i) { return words + lane(at, i); },
-            [&](int i) { return fmt::format("word {} of buffer {}", lane(at, i), static_cast<std::uint32_t>(id_of_buffer)); });
+    // Every access passes one of these three, after its lanes are known to be in bounds. What they do when somebody watches
+    // stays out of line, for it must not keep the rest from being inlined.
+    GNOMON_INLINE void note(BufferId id_of_buffer, MemoryAccess access, Int at, Mask valid) const {
+        if constexpr (kWatched) observe_words(id_of_buffer, access, at, valid);
     }
     template <class Lane>
-    void note(const SharedArray<Lane>& array, MemoryAccess access, Int at, Mask valid) const {
-        if (observers_.races == nullptr) [[likely]]
-            return;
-        check_races(
-            {access, true}, valid, [&](int i) { return array.words + lane(at, i); },
-            [&](int i) { return fmt::format("element {} of a shared array of {}", lane(at, i), array.count); });
+    GNOMON_INLINE void note(const SharedArray<Lane>& array, MemoryAccess access, Int at, Mask valid) const {
+        if constexpr (kWatched) observe_elements(array, access, at, valid);
     }
     template <detail::ImageAccess kAccess>
     Mask touch_texels(const detail::ImageBinding<kAccess>& binding, MemoryAccess access, Int x, Int y, Mask mask) const {
         const ImageLevel level = image(binding);
         const Mask valid = in_range(x, level.width(), in_range(y, level.height(), mask & active));
-        const int bytes = level.texture.info().bytes_per_texel;
-        count_bytes(binding.texture, access, valid, bytes);
-        if (observers_.races == nullptr) [[likely]]
-            return valid;
-        const auto address_of = [&](int i) {
-            return level.texture.row(level.level, lane(y, i), level.layer) + lane(x, i) * bytes;
-        };
-        check_races({access, false}, valid, address_of, [&](int i) {
-            return fmt::format("texel ({}, {}) of texture {}", lane(x, i), lane(y, i),
-                               static_cast<std::uint32_t>(binding.texture));
-        });
+        if constexpr (kWatched) observe_texels(binding, access, x, y, valid);
         return valid;
     }
-    template <class AddressOf, class NameOf>
-    void check_races(const RaceCheck::Touch& touch, Mask lanes, const AddressOf& address_of, const NameOf& name_of) const {
-        for_each_lane(lanes, [&](std::size_t l) {
-            const int i = static_cast<int>(l);
-            observers_.races->admit(address_of(i), touch, lane(index, i), [&] { return name_of(i); });
+
+    [[gnu::noinline]] void observe_words(BufferId id_of_buffer, MemoryAccess access, Int at, Mask valid) const {
+        count_bytes(id_of_buffer, access, valid, 4);
+        if (observers_->races == nullptr) return;
+        for_each_lane(valid, [&](std::size_t i) {
+            const std::int32_t word = at.lanes()[i];
+            observers_->races->admit(words_of(buffer(id_of_buffer)) + word, {access, false}, index.lanes()[i], [&] {
+                return fmt::format("word {} of buffer {}", word, static_cast<std::uint32_t>(id_of_buffer));
+            });
+        });
+    }
+    template <class Lane>
+    [[gnu::noinline]] void observe_elements(const SharedArray<Lane>& array, MemoryAccess access, Int at, Mask valid) const {
+        if (observers_->races == nullptr) return;
+        for_each_lane(valid, [&](std::size_t i) {
+            const std::int32_t element = at.lanes()[i];
+            observers_->races->admit(array.words + element, {access, true}, index.lanes()[i],
+                                     [&] { return fmt::format("element {} of a shared array of {}", element, array.count); });
+        });
+    }
+    template <detail::ImageAccess kAccess>
+    [[gnu::noinline]] void observe_texels(const detail::ImageBinding<kAccess>& binding, MemoryAccess access, Int x, Int y,
+                                          Mask valid) const {
+        const ImageLevel level = image(binding);
+        const int bytes = level.texture.info().bytes_per_texel;
+        count_bytes(binding.texture, access, valid, bytes);
+        if (observers_->races == nullptr) return;
+        for_each_lane(valid, [&](std::size_t i) {
+            const std::int32_t tx = x.lanes()[i];
+            const std::int32_t ty = y.lanes()[i];
+            const std::byte* texel = level.texture.row(level.level, ty, level.layer) + tx * bytes;
+            observers_->races->admit(texel, {access, false}, index.lanes()[i], [&] {
+                return fmt::format("texel ({}, {}) of texture {}", tx, ty, static_cast<std::uint32_t>(binding.texture));
+            });
         });
     }
 
     // Traffic by resource: the one place that would split it by id.
     void count_bytes(BufferId, MemoryAccess access, Mask lanes, int bytes) const {
-        if (observers_.counters == nullptr) return;
-        if (access != MemoryAccess::Write) observers_.counters->buffer_bytes_read += total(lanes, bytes);
-        if (access != MemoryAccess::Read) observers_.counters->buffer_bytes_written += total(lanes, bytes);
+        if (observers_->counters == nullptr) return;
+        if (access != MemoryAccess::Write) observers_->counters->buffer_bytes_read += total(lanes, bytes);
+        if (access != MemoryAccess::Read) observers_->counters->buffer_bytes_written += total(lanes, bytes);
     }
     void count_bytes(TextureId, MemoryAccess access, Mask lanes, int bytes) const {
-        if (observers_.counters == nullptr) return;
-        if (access != MemoryAccess::Write) observers_.counters->image_bytes_read += total(lanes, bytes);
-        if (access != MemoryAccess::Read) observers_.counters->image_bytes_written += total(lanes, bytes);
+        if (observers_->counters == nullptr) return;
+        if (access != MemoryAccess::Write) observers_->counters->image_bytes_read += total(lanes, bytes);
+        if (access != MemoryAccess::Read) observers_->counters->image_bytes_written += total(lanes, bytes);
     }
     static std::uint64_t total(Mask lanes, int bytes) {
         return static_cast<std::uint64_t>(std::popcount(lanes.bits())) * static_cast<std::uint64_t>(bytes);
     }
 
     const DispatchContext& dispatch_;
-    const GroupObservers& observers_;
+    const GroupObservers* observers_;  // where kWatched
 };
 
 }  // namespace gnomon
