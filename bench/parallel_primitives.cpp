@@ -129,7 +129,7 @@ void compare_orders(Device& device, const Words& words, int rounds) {
             count, rounds);
     compare("sort u32 pairs",
             {{"Gnomon", upload, [&] { primitives.radix_sort<std::uint32_t>(keys, values, count); }},
-             {"std", copy_pairs, [&] { std::stable_sort(pairs.begin(), pairs.end(), by_key); }},
+             {"std", copy_pairs, [&] { std::ranges::sort(pairs, by_key); }},
              {"TBB", copy_pairs, [&] { tbb::parallel_sort(pairs.begin(), pairs.end(), by_key); }}},
             count, rounds);
 

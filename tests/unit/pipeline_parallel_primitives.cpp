@@ -287,7 +287,10 @@ void check_sorts(std::uint64_t seed) {
             keys.push_back(Word{});
             const BufferId key_buffer = upload_words(device, keys);
             primitives.radix_sort<Word>(key_buffer, count);
-            std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return before(a.first, b.first); });
+            // Ties by place: stable.
+            std::ranges::sort(pairs, [](const auto& a, const auto& b) {
+                return before(a.first, b.first) || (!before(b.first, a.first) && a.second < b.second);
+            });
             std::vector<std::uint32_t> expected_keys;
             std::vector<std::uint32_t> expected_values;
             for (const auto& [key, place] : pairs) {
