@@ -17,7 +17,11 @@ namespace gnomon {
 enum class BufferId : std::uint32_t { None = 0 };
 enum class TextureId : std::uint32_t { None = 0 };
 
-struct Program;  // program.h
+inline constexpr std::uint32_t kMaxGroups = 65535;           // per dimension of a dispatch. D3D11.3 18.6.2
+inline constexpr std::size_t kMaxBufferBytes = 1ull << 31u;  // word indices fit 31 bits with room to spare
+
+struct Program;         // program.h
+struct ComputeProgram;  // compute_program.h
 
 /// One level of a texture and a run of its layers, as a target. D3D11.3 5.2
 struct TargetView {
@@ -36,6 +40,14 @@ struct TargetView {
 struct CreateBuffer {
     BufferId id;
     std::string_view label;
+    std::span<const std::byte> data;
+    std::size_t size = 0;  // bytes, up to kMaxBufferBytes; 0: as many as data. What lies behind the data is zero
+};
+
+/// Replaces bytes [offset, offset + data.size()) of a buffer, which must lie inside it.
+struct WriteBuffer {
+    BufferId id;
+    std::size_t offset = 0;
     std::span<const std::byte> data;
 };
 
@@ -114,7 +126,17 @@ struct Draw {
     TextureId derivative_report = TextureId::None;
 };
 
-using Command =
-    std::variant<CreateBuffer, CreateTexture, WriteTexture, ClearColor, ClearDepth, ClearStencil, GenerateMips, Resolve, Draw>;
+/// One compute call: a grid of groups of threads through a compute program. D3D11.3 18.6.2
+struct Dispatch {
+    std::string_view label{};
+    const ComputeProgram* program = nullptr;
+    std::span<const std::byte> constants{};  // the compute functor, which names its resources
+    std::uint32_t groups_x = 1;              // each 0 to kMaxGroups; where one is 0 nothing happens
+    std::uint32_t groups_y = 1;
+    std::uint32_t groups_z = 1;
+};
+
+using Command = std::variant<CreateBuffer, CreateTexture, WriteBuffer, WriteTexture, ClearColor, ClearDepth, ClearStencil,
+                             GenerateMips, Resolve, Draw, Dispatch>;
 
 }  // namespace gnomon

@@ -89,8 +89,15 @@ std::vector<ResourceTraffic> Device::traffic(const Tally& tally) const {
 std::size_t Device::scratch_bytes() const { return scratch_->bytes(); }
 
 void Device::run(const CreateBuffer& command) {
-    resources_.add(command.id,
-                   Buffer{std::string(command.label), std::vector<std::byte>(command.data.begin(), command.data.end())});
+    const std::size_t size = command.size == 0 ? command.data.size() : command.size;
+    if (size < command.data.size() || size > kMaxBufferBytes)
+        fail("buffer {} of {} bytes: expected {} (its data) to {}", static_cast<std::size_t>(command.id), size,
+             command.data.size(), kMaxBufferBytes);
+    Buffer buffer{std::string(command.label), {}};
+    buffer.data.reserve(size);
+    buffer.data.assign(command.data.begin(), command.data.end());
+    buffer.data.resize(size);
+    resources_.add(command.id, std::move(buffer));
 }
 
 void Device::run(const CreateTexture& command) {

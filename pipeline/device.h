@@ -35,6 +35,7 @@ public:
 
     /// Shorthands that pick the next id.
     BufferId create_buffer(std::string_view label, std::span<const std::byte> data);
+    BufferId create_zeroed_buffer(std::string_view label, std::size_t bytes);
     TextureId create_texture(std::string_view label, const TextureDesc& desc);
 
     /// Throws Error for an id that was never created.
@@ -54,6 +55,9 @@ public:
 
     /// Bytes that draws hold on to between calls, for reports: bounded, whatever is drawn. docs/performance.md
     [[nodiscard]] std::size_t scratch_bytes() const;
+    /// Off until asked for, for it is slow: every access of a dispatch is checked against those of all its other threads, and
+    /// execute() throws Error at the first two whose order would show in the result. What ran until then stays.
+    void set_race_check(bool enabled) { checks_races_ = enabled; }
 
 private:
     void run(const CreateBuffer& command);
@@ -66,6 +70,8 @@ private:
     void run(const Resolve& command);
     void run(const Draw& command);
     void count_fill(const TargetView& view, const Texture& texture, std::uint64_t bytes);
+    void run(const WriteBuffer& command);
+    void run(const Dispatch& command);
 
     Profile profile_;
     Workers workers_;
@@ -75,6 +81,7 @@ private:
     const std::atomic<bool>* stop_ = nullptr;
     bool counting_ = false;
     Tally tally_;
+    bool checks_races_ = false;
 };
 
 }  // namespace gnomon

@@ -42,6 +42,7 @@ public:
     [[nodiscard]] std::size_t textures() const { return textures_.size(); }
     [[nodiscard]] std::size_t buffers() const { return buffers_.size(); }
     [[nodiscard]] const std::vector<std::unique_ptr<Texture>>& table() const { return textures_; }
+    [[nodiscard]] const std::vector<std::unique_ptr<Buffer>>& buffer_table() const { return buffers_; }
 
 private:
     static void check_next(std::string_view what, std::size_t id, std::size_t count) {

@@ -47,6 +47,10 @@ struct Counters {
     std::uint64_t bytes_read = 0;
     std::uint64_t bytes_written = 0;
 
+    // Compute.
+    std::uint64_t compute_groups = 0;   // groups of dispatches that ran
+    std::uint64_t compute_threads = 0;  // threads of these groups, idle ones in a narrower block included
+
     static constexpr auto fields() {
         using C = Counters;
         return std::tuple{Field{"vertices", &C::vertices},
@@ -79,7 +83,9 @@ struct Counters {
                           Field{"samples_written", &C::samples_written},
                           Field{"samples_resolved", &C::samples_resolved},
                           Field{"bytes_read", &C::bytes_read},
-                          Field{"bytes_written", &C::bytes_written}};
+                          Field{"bytes_written", &C::bytes_written},
+                          Field{"compute_groups", &C::compute_groups},
+                          Field{"compute_threads", &C::compute_threads}};
     }
 
     Counters& operator+=(const Counters& other) {

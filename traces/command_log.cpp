@@ -1,5 +1,6 @@
 #include "traces/command_log.h"
 
+#include "pipeline/compute_program.h"
 #include "traces/hash.h"
 #include "traces/json_values.h"
 
@@ -22,7 +23,13 @@ Json constants_json(std::vector<NamedConstant> (*read)(std::span<const std::byte
 }
 
 Json to_json(const CreateBuffer& c) {
-    return {{"cmd", "create_buffer"}, {"id", number(c.id)}, {"label", c.label}, {"data", data_json(c.data)}};
+    Json json{{"cmd", "create_buffer"}, {"id", number(c.id)}, {"label", c.label}, {"data", data_json(c.data)}};
+    if (c.size != 0) json["size"] = c.size;
+    return json;
+}
+
+Json to_json(const WriteBuffer& c) {
+    return {{"cmd", "write_buffer"}, {"id", number(c.id)}, {"offset", c.offset}, {"data", data_json(c.data)}};
 }
 
 Json to_json(const CreateTexture& c) {
@@ -117,6 +124,16 @@ Json to_json(const Draw& c) {
     for (std::size_t i = 0; i < targets; ++i) json["color"].push_back(view_json(c.color[i]));
     json["depth"] = view_json(c.depth);
     if (c.derivative_report != TextureId::None) json["derivative_report"] = number(c.derivative_report);
+    return json;
+}
+
+Json to_json(const Dispatch& c) {
+    Json json{{"cmd", "dispatch"}, {"label", c.label}};
+    if (c.program != nullptr) {
+        json["program"] = c.program->name;
+        json["constants"] = constants_json(c.program->named_constants, c.constants);
+    }
+    json["groups"] = {c.groups_x, c.groups_y, c.groups_z};
     return json;
 }
 

@@ -19,7 +19,8 @@ Json json_of(const glm::vec3& value);
 Json json_of(const glm::vec4& value);
 Json json_of(const glm::mat4& value);  // four columns
 
-/// A texture constant is {"texture": id}; everything else is a number, an array or an object with named fields.
+/// A texture constant is {"texture": id}, a buffer {"buffer": id}; everything else is a number, an array or an object with
+/// named fields.
 Json json_of(const ConstantValue& value);
 
 inline Json json_of(bool value) { return value; }

@@ -1,5 +1,6 @@
 // Prints one line `name hash` for everything whose bytes must not depend on threads, SIMD width, instruction set or compiler.
 // gnomon_fingerprint [THREADS]
+#include "pipeline/parallel_primitives.h"
 #include "scenes/procedural.h"
 #include "sim/fixed.h"
 #include "sim/half.h"
@@ -125,6 +126,47 @@ void fingerprint_samples(const Profile& profile, std::string_view filter, const 
     print_hash(fmt::format("sample/{}/{}", profile.name, filter), results.data(), results.size() * sizeof(double));
 }
 
+/// Every data-parallel primitive over floats and integers of several tiles.
+void fingerprint_primitives(const std::string& profile, int threads) {
+    Sequence sequence(5);
+    constexpr int kCount = 30'001;
+    std::vector<float> numbers(kCount);
+    std::vector<std::uint32_t> words(kCount);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        words[i] = sequence.next();
+        numbers[i] = static_cast<float>(words[i] >> 8) * 0x1p-20f - 8.0f;
+    }
+    Device device(load_profile(profile), threads);
+    device.enable_counters(true);
+    ParallelPrimitives primitives(device);
+    const BufferId floats = device.create_buffer("floats", std::as_bytes(std::span(numbers)));
+    const BufferId integers = device.create_buffer("integers", std::as_bytes(std::span(words)));
+    const BufferId to = device.create_zeroed_buffer("to", kCount * 4);
+    const auto print = [&](std::string_view what, BufferId id) {
+        print_hash(fmt::format("primitive/{}/{}", profile, what), device.buffer(id).data.data(), device.buffer(id).data.size());
+    };
+
+    std::vector<float> results;
+    for (const CombineOp op : {CombineOp::Sum, CombineOp::Min, CombineOp::Max}) {
+        results.push_back(primitives.reduce<float>(floats, kCount, op));
+        results.push_back(static_cast<float>(primitives.reduce<std::int32_t>(integers, kCount, op)));
+        primitives.inclusive_scan<float>(floats, to, kCount, op);
+        print("inclusive-scan", to);
+        primitives.exclusive_scan<std::uint32_t>(integers, to, kCount, op);
+        print("exclusive-scan", to);
+    }
+    print_hash("primitive/" + profile + "/reduce", results.data(), results.size() * sizeof(float));
+    primitives.radix_sort<float>(floats, integers, kCount);
+    print("sorted-keys", floats);
+    print("sorted-values", integers);
+    fmt::print("primitive/{}/compacted {}\n", profile, primitives.compact(integers, floats, to, kCount));
+    fmt::print("primitive/{}/unique {}\n", profile, primitives.unique(floats, to, kCount));
+    print("unique", to);
+    std::string counts;
+    for_each_field(device.take_counters(), [&](std::string_view, std::uint64_t count) { counts += fmt::format(" {}", count); });
+    fmt::print("primitive/{}/counters{}\n", profile, counts);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -150,6 +192,8 @@ int main(int argc, char** argv) {
                             {.mip = MipFilter::Linear, .address_u = wrap, .address_v = mirror, .max_anisotropy = 16});
         fingerprint_samples(profile, "compare", {.mip = MipFilter::Linear, .address_u = AddressMode::MirrorOnce});
     }
+
+    for (const char* profile : {"d3d11", "ideal"}) fingerprint_primitives(profile, threads);
 
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();
