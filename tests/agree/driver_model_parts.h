@@ -43,13 +43,21 @@ struct Flushing {
 /// Sample i of four, in eighths of a pixel from its corner.
 inline constexpr std::array<std::array<int, 2>, 4> kSampleEighths{{{3, 1}, {7, 3}, {1, 5}, {5, 7}}};
 
+/// Where a triangle is drawn.
+struct Window {
+    Viewport viewport{};
+    Viewport scissor{};
+    int samples = 1;
+};
+inline Window whole_window(const Viewport& viewport, int samples) { return {viewport, viewport, samples}; }
+
 /// Called per covered pixel, in rows.
 using PixelSink = std::function<void(int x, int y, std::uint32_t mask)>;
 /// Called per covered sample with its depth before it becomes a code.
 using DepthSink = std::function<void(int x, int y, int sample, float z)>;
 
 // Each driver's parts.
-void llvmpipe_coverage(const ClipTriangle& triangle, const Viewport& viewport, int samples, const PixelSink& sink);
+void llvmpipe_coverage(const ClipTriangle& triangle, const Window& window, const PixelSink& sink);
 void llvmpipe_depth(const ClipTriangle& triangle, const DepthDraw& draw, const DepthSink& sink);
 void llvmpipe_attributes(const ClipTriangle& triangle, const Viewport& viewport, Interpolation interpolation,
                          std::span<Color> target);
@@ -57,7 +65,7 @@ std::uint32_t llvmpipe_depth_code(DepthFormat format, float z);
 Codes llvmpipe_blend(ColorFormat format, const BlendState& state, const BlendCase& blended);
 Codes llvmpipe_resolve(ColorFormat format, const SampleCodes& samples);
 
-void swiftshader_coverage(const ClipTriangle& triangle, const Viewport& viewport, int samples, const PixelSink& sink);
+void swiftshader_coverage(const ClipTriangle& triangle, const Window& window, const PixelSink& sink);
 void swiftshader_depth(const ClipTriangle& triangle, const DepthDraw& draw, const DepthSink& sink);
 void swiftshader_attributes(const ClipTriangle& triangle, const Viewport& viewport, Interpolation interpolation,
                             std::span<Color> target);

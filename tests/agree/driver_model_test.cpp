@@ -2,10 +2,13 @@
 #include "tests/agree/device_tests.h"
 #include "tests/agree/driver_models.h"
 #include "tests/agree/raster_cases.h"
+#include "tests/peer/frame.h"
+#include "tests/peer/test_scenes.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -68,16 +71,18 @@ private:
 struct CoverageCase {
     int width, height;
     std::size_t count;
+    int inset = 0;
 };
 
 void check_coverage(RasterPeer& machine, Driver driver, TriangleKind kind, const CoverageCase& c) {
     const auto triangles = random_triangles(kind, c.count, c.width, c.height, 1 + static_cast<std::uint64_t>(kind));
     for (const int samples : {1, 4}) {
-        const auto covered = machine.coverage({.width = c.width, .height = c.height, .samples = samples}, triangles);
+        const CoverageOptions options{.width = c.width, .height = c.height, .samples = samples, .inset = c.inset};
+        const auto covered = machine.coverage(options, triangles);
         Differences differences;
         std::size_t not_empty = 0;
         for (std::size_t i = 0; i < triangles.size(); ++i) {
-            const auto expected = model_coverage(driver, triangles[i], covered[i].viewport, samples);
+            const auto expected = model_coverage(driver, triangles[i], covered[i].viewport, options);
             if (!expected.empty()) ++not_empty;
             if (expected == covered[i].pixels) continue;
             differences.add([&] {
@@ -85,7 +90,8 @@ void check_coverage(RasterPeer& machine, Driver driver, TriangleKind kind, const
                                    covered[i].viewport.y, text(expected), text(covered[i].pixels));
             });
         }
-        differences.report(fmt::format("{}, {} x {}, {} samples", name_of(kind), c.width, c.height, samples), triangles.size());
+        differences.report(fmt::format("{}, {} x {} less {}, {} samples", name_of(kind), c.width, c.height, c.inset, samples),
+                           triangles.size());
         CHECK(not_empty * 50 > triangles.size());
     }
 }
@@ -99,8 +105,17 @@ TEST_CASE("coverage of a hundred thousand triangles", "[agree][device][coverage]
 TEST_CASE("coverage in large and odd viewports", "[agree][device][coverage]") {
     on_each_driver([](RasterPeer& machine, Driver driver) {
         for (const TriangleKind kind : kTriangleKinds) {
-            check_coverage(machine, driver, kind, {37, 21, 1000});
-            check_coverage(machine, driver, kind, {700, 500, 60});
+            check_coverage(machine, driver, kind, {37, 21, 600});
+            check_coverage(machine, driver, kind, {700, 500, 25});
+        }
+    });
+}
+
+TEST_CASE("coverage in a scissor inside of the viewport", "[agree][device][coverage]") {
+    on_each_driver([](RasterPeer& machine, Driver driver) {
+        for (const TriangleKind kind : kTriangleKinds) {
+            check_coverage(machine, driver, kind, {32, 32, 2000, 5});
+            check_coverage(machine, driver, kind, {150, 200, 100, 11});
         }
     });
 }
@@ -148,6 +163,51 @@ TEST_CASE("depth of triangles", "[agree][device][depth]") {
                         fmt::format("{}, depth format {}, {} samples", name_of(kind), static_cast<int>(format), samples),
                         total);
                 }
+    });
+}
+
+// All of a scene as it is seen from a view.
+DepthDraw scene_depth(const scenes::Scene& scene, const scenes::View& view, int width, int height) {
+    DepthDraw draw{.width = width, .height = height};
+    for (const scenes::Instance& instance : scene.instances) {
+        const scenes::Mesh& mesh = scene.meshes[instance.mesh];
+        const glm::mat4 clip_from_object = view.clip_from_world() * instance.world_from_object;
+        const auto first = static_cast<std::uint32_t>(draw.vertices.size());
+        for (const scenes::Vertex& vertex : mesh.vertices) {
+            const glm::vec4 clip = clip_from_object * glm::vec4(vertex.position, 1.0f);
+            draw.vertices.push_back({.clip = {clip.x, clip.y, clip.z, clip.w}});
+        }
+        for (const std::uint32_t index : mesh.indices) draw.indices.push_back(first + index);
+    }
+    return draw;
+}
+
+TEST_CASE("depth of scenes", "[agree][device][depth]") {
+    on_each_driver([](RasterPeer& machine, Driver driver) {
+        for (const scenes::Scene& scene : {peer::boxes(), peer::two_planes()}) {
+            const peer::Frame frame = peer::scene_frame(scene, 320, 240);
+            for (const scenes::View& view : {frame.camera, frame.light})
+                for (const DepthFormat format : {DepthFormat::D32f, DepthFormat::D16, DepthFormat::D24})
+                    for (const int samples : {1, 4}) {
+                        if (!machine.supports(format, samples)) continue;
+                        DepthDraw draw = scene_depth(scene, view, 320, 240);
+                        draw.format = format;
+                        draw.samples = samples;
+                        draw.bias_slope = samples == 1 ? 0.0f : 2.0f;
+                        const auto codes = machine.depth(draw);
+                        const auto expected = model_depth(driver, draw);
+                        Differences differences;
+                        for (std::size_t i = 0; i < codes.size(); ++i)
+                            if (codes[i] != expected[i])
+                                differences.add(
+                                    [&] { return fmt::format("sample {}: model {:x} driver {:x}", i, expected[i], codes[i]); });
+                        const auto far = static_cast<std::size_t>(std::count(codes.begin(), codes.end(), codes[0]));
+                        CHECK(far < codes.size());
+                        differences.report(
+                            fmt::format("{}, depth format {}, {} samples", scene.name, static_cast<int>(format), samples),
+                            codes.size());
+                    }
+        }
     });
 }
 

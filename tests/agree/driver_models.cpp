@@ -12,13 +12,18 @@ std::optional<Driver> driver_of(const peer::PeerDevice& device) {
     return std::nullopt;
 }
 
-std::vector<CoveredPixel> model_coverage(Driver driver, const ClipTriangle& triangle, const Viewport& viewport, int samples) {
+std::vector<CoveredPixel> model_coverage(Driver driver, const ClipTriangle& triangle, const Viewport& viewport,
+                                         const CoverageOptions& options) {
+    const Window window{.viewport = viewport,
+                        .scissor = {viewport.x + options.inset, viewport.y + options.inset, viewport.width - 2 * options.inset,
+                                    viewport.height - 2 * options.inset},
+                        .samples = options.samples};
     std::vector<CoveredPixel> pixels;
     const auto append = [&](int x, int y, std::uint32_t mask) { pixels.push_back({x - viewport.x, y - viewport.y, mask}); };
     if (driver == Driver::Llvmpipe)
-        llvmpipe_coverage(triangle, viewport, samples, append);
+        llvmpipe_coverage(triangle, window, append);
     else
-        swiftshader_coverage(triangle, viewport, samples, append);
+        swiftshader_coverage(triangle, window, append);
 
     // A triangle that was clipped may have come in parts.
     const auto in_rows = [](const CoveredPixel& a, const CoveredPixel& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };

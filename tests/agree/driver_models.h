@@ -18,8 +18,9 @@ enum class Driver { Llvmpipe, SwiftShader };
 /// By the device's name.
 std::optional<Driver> driver_of(const peer::PeerDevice& device);
 
-/// As RasterPeer::coverage, for one triangle.
-std::vector<CoveredPixel> model_coverage(Driver driver, const ClipTriangle& triangle, const Viewport& viewport, int samples);
+/// As RasterPeer::coverage, for one triangle, with the viewport that it was given.
+std::vector<CoveredPixel> model_coverage(Driver driver, const ClipTriangle& triangle, const Viewport& viewport,
+                                         const CoverageOptions& options);
 /// As RasterPeer::depth.
 std::vector<std::uint32_t> model_depth(Driver driver, const DepthDraw& draw);
 /// As RasterPeer::attributes.

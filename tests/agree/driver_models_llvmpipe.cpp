@@ -5,6 +5,8 @@
 //   1/256 pixel and given planes of its own.
 // - Depth and attributes are planes through the positions that were not snapped, from the target's corner; they are
 //   evaluated with fused multiply-adds.
+// - With four samples the scissor's left and upper edges lie half a pixel outside, but where they are edges of the tiles of 64
+//   pixels: what is not clipped there reaches into the samples of the next column and row that are that near.
 // - Denormals are zero.
 #include "tests/agree/driver_model_parts.h"
 
@@ -153,19 +155,6 @@ struct SetUp {
     }
 };
 
-struct Rows {
-    int x0, y0, x1, y1;
-};
-Rows bounds(const SetUp& t, const Viewport& viewport) {
-    const auto [left, right] = std::minmax({t.p[0].x, t.p[1].x, t.p[2].x});
-    const auto [top, bottom] = std::minmax({t.p[0].y, t.p[1].y, t.p[2].y});
-    const auto within = [](std::int64_t value, int origin, int size) {
-        return static_cast<int>(std::clamp<std::int64_t>(value, origin, origin + size));
-    };
-    return {within(left >> 8, viewport.x, viewport.width), within(top >> 8, viewport.y, viewport.height),
-            within((right >> 8) + 1, viewport.x, viewport.width), within((bottom >> 8) + 1, viewport.y, viewport.height)};
-}
-
 std::uint32_t mask_of(const SetUp& t, int x, int y, int samples) {
     if (samples == 1) return t.covers({std::int64_t{x} * 256, std::int64_t{y} * 256}) ? 1 : 0;
     std::uint32_t mask = 0;
@@ -176,12 +165,36 @@ std::uint32_t mask_of(const SetUp& t, int x, int y, int samples) {
     return mask;
 }
 
+// One axis of the pixels that may be covered, and of the scissor, of which it may begin one pixel outside.
+struct Range {
+    int first, last, scissor;
+
+    Range(std::int64_t from, std::int64_t to, int origin, int size, int samples)
+        : first(clamped(from, origin, size)), last(clamped(to + 1, origin, size)), scissor(origin) {
+        constexpr int kTile = 64;
+        if (samples > 1 && from < origin && to >= origin && origin % kTile != 0) first = origin - 1;
+    }
+
+    [[nodiscard]] static int clamped(std::int64_t value, int origin, int size) {
+        return static_cast<int>(std::clamp<std::int64_t>(value, origin, origin + size));
+    }
+    [[nodiscard]] bool keeps(int pixel, int eighths) const { return pixel >= scissor || eighths >= 4; }
+};
+
 template <class Sink>
-void each_pixel(const SetUp& t, const Viewport& viewport, int samples, const Sink& sink) {
-    const Rows rows = bounds(t, viewport);
-    for (int y = rows.y0; y < rows.y1; ++y)
-        for (int x = rows.x0; x < rows.x1; ++x)
-            if (const std::uint32_t mask = mask_of(t, x, y, samples); mask != 0) sink(x, y, mask);
+void each_pixel(const SetUp& t, const Window& window, const Sink& sink) {
+    const auto [left, right] = std::minmax({t.p[0].x, t.p[1].x, t.p[2].x});
+    const auto [top, bottom] = std::minmax({t.p[0].y, t.p[1].y, t.p[2].y});
+    const Range columns(left >> 8, (right - 1) >> 8, window.scissor.x, window.scissor.width, window.samples);
+    const Range rows(top >> 8, (bottom - 1) >> 8, window.scissor.y, window.scissor.height, window.samples);
+    for (int y = rows.first; y < rows.last; ++y)
+        for (int x = columns.first; x < columns.last; ++x) {
+            std::uint32_t mask = mask_of(t, x, y, window.samples);
+            if (window.samples > 1)
+                for (std::size_t s = 0; s < 4; ++s)
+                    if (!columns.keeps(x, kSampleEighths[s][0]) || !rows.keeps(y, kSampleEighths[s][1])) mask &= ~(1u << s);
+            if (mask != 0) sink(x, y, mask);
+        }
 }
 
 // value = origin + x dx + y dy, x and y in pixels of the target.
@@ -238,9 +251,9 @@ float bias_of(const SetUp& t, const PlaneMaker& maker, const DepthDraw& draw) {
 
 }  // namespace
 
-void llvmpipe_coverage(const ClipTriangle& triangle, const Viewport& viewport, int samples, const PixelSink& sink) {
-    for (const auto& vertices : drawn_triangles(triangle, viewport))
-        each_pixel(SetUp(vertices, samples), viewport, samples, sink);
+void llvmpipe_coverage(const ClipTriangle& triangle, const Window& window, const PixelSink& sink) {
+    for (const auto& vertices : drawn_triangles(triangle, window.viewport))
+        each_pixel(SetUp(vertices, window.samples), window, sink);
 }
 
 void llvmpipe_depth(const ClipTriangle& triangle, const DepthDraw& draw, const DepthSink& sink) {
@@ -250,7 +263,7 @@ void llvmpipe_depth(const ClipTriangle& triangle, const DepthDraw& draw, const D
         const PlaneMaker maker(t);
         const Plane plane = maker.through(t.v[0].window[2], t.v[1].window[2], t.v[2].window[2]);
         const float bias = bias_of(t, maker, draw);
-        each_pixel(t, viewport, draw.samples, [&](int x, int y, std::uint32_t mask) {
+        each_pixel(t, whole_window(viewport, draw.samples), [&](int x, int y, std::uint32_t mask) {
             for (int s = 0; s < draw.samples; ++s) {
                 if ((mask >> s & 1u) == 0) continue;
                 const auto& eighths = kSampleEighths[static_cast<std::size_t>(s)];
@@ -277,7 +290,7 @@ void llvmpipe_attributes(const ClipTriangle& triangle, const Viewport& viewport,
                 for (std::size_t i = 0; i < 3; ++i) a[i] = mul(a[i], t.v[i].window[3]);
             planes[c] = maker.through(a[0], a[1], a[2]);
         }
-        each_pixel(t, viewport, 1, [&](int x, int y, std::uint32_t) {
+        each_pixel(t, whole_window(viewport, 1), [&](int x, int y, std::uint32_t) {
             const auto fx = static_cast<float>(x);
             const auto fy = static_cast<float>(y);
             const float w = div(1.0f, over_w.at(fx, fy));

@@ -154,13 +154,13 @@ Outline outline_of(const std::array<Vertex, 3>& v, const Scale& to) {
 
 std::int64_t ceil_div(std::int64_t a, std::int64_t b) { return a > 0 ? (a + b - 1) / b : -(-a / b); }
 
-// Where each row of a viewport starts and ends.
+// Where each row of a scissor starts and ends.
 struct Spans {
-    Viewport viewport;
+    Viewport scissor;
     std::vector<int> left, right;
 
     Spans(const Outline& outline, const Viewport& v, Point offset)
-        : viewport(v), left(static_cast<std::size_t>(v.height)), right(left) {
+        : scissor(v), left(static_cast<std::size_t>(v.height)), right(left) {
         const std::size_t count = outline.points.size();
         for (std::size_t i = 0; i < count; ++i) {
             Point a = outline.points[i];
@@ -175,40 +175,53 @@ struct Spans {
         if (a.y == b.y) return;
         const bool is_right = b.y < a.y;
         if (is_right) std::swap(a, b);
-        const int first = std::max((a.y + kMask) >> kBits, viewport.y);
-        const int last = std::min((b.y + kMask) >> kBits, viewport.y + viewport.height);
+        const int first = std::max((a.y + kMask) >> kBits, scissor.y);
+        const int last = std::min((b.y + kMask) >> kBits, scissor.y + scissor.height);
         for (int y = first; y < last; ++y) {
             const std::int64_t dy = b.y - a.y;
             const std::int64_t along = std::int64_t{y} * kOne - a.y;
             const std::int64_t x = ceil_div(std::int64_t{a.x} * dy + (b.x - a.x) * along, dy * kOne);
-            const auto row = static_cast<std::size_t>(y - viewport.y);
+            const auto row = static_cast<std::size_t>(y - scissor.y);
             (is_right ? right : left)[row] =
-                static_cast<int>(std::clamp<std::int64_t>(x, viewport.x, viewport.x + viewport.width));
+                static_cast<int>(std::clamp<std::int64_t>(x, scissor.x, scissor.x + scissor.width));
         }
     }
 
     [[nodiscard]] bool covers(int x, int y) const {
-        const auto row = static_cast<std::size_t>(y - viewport.y);
+        const auto row = static_cast<std::size_t>(y - scissor.y);
         return left[row] <= x && x < right[row];
     }
 };
 
 template <class Sink>
-void each_pixel(const Outline& outline, const Viewport& viewport, int samples, const Sink& sink) {
+void each_pixel(const Outline& outline, const Window& window, const Sink& sink) {
     if (outline.points.empty()) return;
+    const Viewport& scissor = window.scissor;
     std::vector<Spans> spans;
-    if (samples == 1) {
-        spans.emplace_back(outline, viewport, Point{0, 0});
+    if (window.samples == 1) {
+        spans.emplace_back(outline, scissor, Point{0, 0});
     } else {
-        for (const auto& [x, y] : kSampleEighths) spans.emplace_back(outline, viewport, Point{2 * x - 8, 2 * y - 8});
+        for (const auto& [x, y] : kSampleEighths) spans.emplace_back(outline, scissor, Point{2 * x - 8, 2 * y - 8});
     }
-    for (int y = viewport.y; y < viewport.y + viewport.height; ++y)
-        for (int x = viewport.x; x < viewport.x + viewport.width; ++x) {
+    const auto above = [](const Point& a, const Point& b) { return a.y < b.y; };
+    const auto [top, bottom] = std::minmax_element(outline.points.begin(), outline.points.end(), above);
+    const int first_row = std::max((top->y >> kBits) - 1, scissor.y);
+    const int end_row = std::min((bottom->y >> kBits) + 2, scissor.y + scissor.height);
+    for (int y = first_row; y < end_row; ++y) {
+        const auto row = static_cast<std::size_t>(y - scissor.y);
+        int first = scissor.x + scissor.width;
+        int end = scissor.x;
+        for (const Spans& sample : spans) {
+            first = std::min(first, sample.left[row]);
+            end = std::max(end, sample.right[row]);
+        }
+        for (int x = std::max(first, scissor.x); x < end; ++x) {
             std::uint32_t mask = 0;
             for (std::size_t s = 0; s < spans.size(); ++s)
                 if (spans[s].covers(x, y)) mask |= 1u << s;
             if (mask != 0) sink(x, y, mask);
         }
+    }
 }
 
 // Rotated so that the first vertex has the largest w; among equals, what the rotation for the smallest y left first.
@@ -274,9 +287,9 @@ std::array<Vertex, 3> shaded(const ClipTriangle& triangle, const Scale& to) {
 
 }  // namespace
 
-void swiftshader_coverage(const ClipTriangle& triangle, const Viewport& viewport, int samples, const PixelSink& sink) {
-    const Scale to(viewport);
-    each_pixel(outline_of(shaded(triangle, to), to), viewport, samples, sink);
+void swiftshader_coverage(const ClipTriangle& triangle, const Window& window, const PixelSink& sink) {
+    const Scale to(window.viewport);
+    each_pixel(outline_of(shaded(triangle, to), to), window, sink);
 }
 
 void swiftshader_depth(const ClipTriangle& triangle, const DepthDraw& draw, const DepthSink& sink) {
@@ -289,7 +302,7 @@ void swiftshader_depth(const ClipTriangle& triangle, const DepthDraw& draw, cons
     const bool has_bias = draw.bias_constant != 0 || draw.bias_slope != 0;
     const float x0 = static_cast<float>(v[0].grid.x) * (1.0f / kOne);
     const float y0 = static_cast<float>(v[0].grid.y) * (1.0f / kOne);
-    each_pixel(outline_of(vertices, to), viewport, draw.samples, [&](int x, int y, std::uint32_t mask) {
+    each_pixel(outline_of(vertices, to), whole_window(viewport, draw.samples), [&](int x, int y, std::uint32_t mask) {
         for (int s = 0; s < draw.samples; ++s) {
             if ((mask >> s & 1u) == 0) continue;
             float px = static_cast<float>(x) - x0;
@@ -343,7 +356,7 @@ void swiftshader_attributes(const ClipTriangle& triangle, const Viewport& viewpo
     }
     const float x0 = static_cast<float>(v[0].grid.x) * kStep;
     const float y0 = static_cast<float>(v[0].grid.y) * kStep;
-    each_pixel(outline_of(vertices, to), viewport, 1, [&](int x, int y, std::uint32_t) {
+    each_pixel(outline_of(vertices, to), whole_window(viewport, 1), [&](int x, int y, std::uint32_t) {
         const float px = static_cast<float>(x) - x0;
         const float py = static_cast<float>(y) - y0;
         const float w = 1.0f / over_w.at(px, py);

@@ -126,14 +126,16 @@ void begin_rendering(VkCommandBuffer commands, VkExtent2D size, const Attachment
     vkCmdBeginRendering(commands, &info);
 }
 
-void set_viewport(VkCommandBuffer commands, const Viewport& viewport) {
+// With a scissor that is `inset` pixels smaller on each side.
+void set_viewport(VkCommandBuffer commands, const Viewport& viewport, int inset = 0) {
     const VkViewport mapped{static_cast<float>(viewport.x),
                             static_cast<float>(viewport.y),
                             static_cast<float>(viewport.width),
                             static_cast<float>(viewport.height),
                             0,
                             1};
-    const VkRect2D scissor{{viewport.x, viewport.y}, {u32(viewport.width), u32(viewport.height)}};
+    const VkRect2D scissor{{viewport.x + inset, viewport.y + inset},
+                           {u32(viewport.width - 2 * inset), u32(viewport.height - 2 * inset)}};
     vkCmdSetViewport(commands, 0, 1, &mapped);
     vkCmdSetScissor(commands, 0, 1, &scissor);
 }
@@ -290,6 +292,8 @@ bool RasterPeer::supports(ColorFormat format) const {
 std::vector<TriangleCoverage> RasterPeer::coverage(const CoverageOptions& options, std::span<const ClipTriangle> triangles) {
     check_size(options.width, options.height);
     check_samples(options.samples);
+    if (options.inset < 0 || 2 * options.inset > std::min(options.width, options.height))
+        fail("a scissor {} pixels inside of {} x {}", options.inset, options.width, options.height);
     const Machine& machine = *machine_;
     const peer::Device& device = machine.device;
     const Atlas atlas(options);
@@ -312,7 +316,7 @@ std::vector<TriangleCoverage> RasterPeer::coverage(const CoverageOptions& option
             machine.record_pass(commands, {target, {&color, nullptr}, set.set}, [&] {
                 vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
                 for (std::uint32_t i = 0; i < batch.size(); ++i) {
-                    set_viewport(commands, coverage_viewport(options, i));
+                    set_viewport(commands, coverage_viewport(options, i), options.inset);
                     vkCmdDraw(commands, 3, 1, 3 * i, 0);
                 }
             });

@@ -41,11 +41,12 @@ struct Viewport {
     bool operator==(const Viewport&) const = default;
 };
 
-/// Each triangle alone in a viewport and scissor of its own.
+/// Each triangle alone in a viewport of its own.
 struct CoverageOptions {
     int width = 32;  // of the viewport, 1..4096
     int height = 32;
     int samples = 1;  // 1 or 4
+    int inset = 0;    // pixels by which the scissor is smaller than the viewport on each side
 };
 struct CoveredPixel {
     int x = 0, y = 0;        // from the viewport's corner
@@ -145,7 +146,7 @@ public:
     [[nodiscard]] bool supports(DepthFormat format, int samples) const;
     [[nodiscard]] bool supports(ColorFormat format) const;  // as a target that blends, with one sample and with four
 
-    /// Front and back faces alike, clipped by the driver, scissored to the viewport. One entry per triangle.
+    /// Front and back faces alike, clipped by the driver. One entry per triangle, with what is covered in the viewport.
     std::vector<TriangleCoverage> coverage(const CoverageOptions& options, std::span<const ClipTriangle> triangles);
 
     /// The target row by row, the samples of a pixel one after the other: unorm codes, or the bits of floats.
