@@ -1,39 +1,22 @@
-// RasterPeer: checks, passes, and what is read back.
+// RasterPeer: coverage, depth and attributes of triangles.
 #include "tests/agree/rastering.h"
 
 #include "sim/error.h"
-#include "tests/agree/color_codes.h"
-#include "tests/agree/raster_pipelines.h"
-#include "tests/peer/result.h"
+#include "tests/agree/raster_machine.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <functional>
 
 namespace gnomon::agree {
 namespace {
 
-constexpr int kMaxSize = 4096;               // of a target, within what every device allows. Vulkan 1.3 "Required Limits"
-constexpr int kAtlasSize = 1024;             // of a coverage target, where the viewports are smaller
-constexpr std::uint32_t kListedWidth = 256;  // of targets whose pixels are a list
-constexpr std::uint32_t kLocalSize = 64;     // of fetch.comp
+constexpr int kAtlasSize = 1024;  // of a coverage target, where the viewports are smaller
 constexpr VkFormat kCoverageFormat = VK_FORMAT_R32_SFLOAT;
 constexpr VkFormat kAttributeFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 
 static_assert(sizeof(ClipVertex) == 32 && sizeof(Color) == 16);  // as the shaders have them, std430
-
-constexpr peer::ImageUse kFetched{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                  VK_ACCESS_2_SHADER_SAMPLED_READ_BIT};
-constexpr peer::ImageUse kCopyTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
-                                     VK_ACCESS_2_TRANSFER_WRITE_BIT};
-constexpr peer::ImageUse kResolveSource{VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_2_RESOLVE_BIT,
-                                        VK_ACCESS_2_TRANSFER_READ_BIT};
-constexpr peer::ImageUse kResolveTarget{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_RESOLVE_BIT,
-                                        VK_ACCESS_2_TRANSFER_WRITE_BIT};
-
-std::uint32_t u32(int value) { return static_cast<std::uint32_t>(value); }
 
 VkFormat vk_format(DepthFormat format) {
     switch (format) {
@@ -42,118 +25,6 @@ VkFormat vk_format(DepthFormat format) {
         case DepthFormat::D32f: return VK_FORMAT_D32_SFLOAT;
     }
     fail("unknown depth format");
-}
-
-VkFormat vk_format(ColorFormat format) {
-    switch (format) {
-        case ColorFormat::Rgba8: return VK_FORMAT_R8G8B8A8_UNORM;
-        case ColorFormat::Rgba16Unorm: return VK_FORMAT_R16G16B16A16_UNORM;
-        case ColorFormat::Rgba16f: return VK_FORMAT_R16G16B16A16_SFLOAT;
-        case ColorFormat::Rgba32f: return VK_FORMAT_R32G32B32A32_SFLOAT;
-    }
-    fail("unknown color format");
-}
-
-VkBlendFactor vk_factor(BlendFactor factor) {
-    switch (factor) {
-        case BlendFactor::Zero: return VK_BLEND_FACTOR_ZERO;
-        case BlendFactor::One: return VK_BLEND_FACTOR_ONE;
-        case BlendFactor::SourceColor: return VK_BLEND_FACTOR_SRC_COLOR;
-        case BlendFactor::InverseSourceColor: return VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR;
-        case BlendFactor::DestinationColor: return VK_BLEND_FACTOR_DST_COLOR;
-        case BlendFactor::InverseDestinationColor: return VK_BLEND_FACTOR_ONE_MINUS_DST_COLOR;
-        case BlendFactor::SourceAlpha: return VK_BLEND_FACTOR_SRC_ALPHA;
-        case BlendFactor::InverseSourceAlpha: return VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-        case BlendFactor::DestinationAlpha: return VK_BLEND_FACTOR_DST_ALPHA;
-        case BlendFactor::InverseDestinationAlpha: return VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA;
-        case BlendFactor::ConstantColor: return VK_BLEND_FACTOR_CONSTANT_COLOR;
-        case BlendFactor::InverseConstantColor: return VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_COLOR;
-        case BlendFactor::ConstantAlpha: return VK_BLEND_FACTOR_CONSTANT_ALPHA;
-        case BlendFactor::InverseConstantAlpha: return VK_BLEND_FACTOR_ONE_MINUS_CONSTANT_ALPHA;
-        case BlendFactor::SourceAlphaSaturate: return VK_BLEND_FACTOR_SRC_ALPHA_SATURATE;
-    }
-    fail("unknown blend factor");
-}
-
-VkBlendOp vk_operation(BlendOperation operation) {
-    switch (operation) {
-        case BlendOperation::Add: return VK_BLEND_OP_ADD;
-        case BlendOperation::Subtract: return VK_BLEND_OP_SUBTRACT;
-        case BlendOperation::ReverseSubtract: return VK_BLEND_OP_REVERSE_SUBTRACT;
-        case BlendOperation::Min: return VK_BLEND_OP_MIN;
-        case BlendOperation::Max: return VK_BLEND_OP_MAX;
-    }
-    fail("unknown blend operation");
-}
-
-VkPipelineColorBlendAttachmentState vk_blend(const BlendState& state) {
-    return {
-        .blendEnable = state.enabled ? VK_TRUE : VK_FALSE,
-        .srcColorBlendFactor = vk_factor(state.color.source),
-        .dstColorBlendFactor = vk_factor(state.color.destination),
-        .colorBlendOp = vk_operation(state.color.operation),
-        .srcAlphaBlendFactor = vk_factor(state.alpha.source),
-        .dstAlphaBlendFactor = vk_factor(state.alpha.destination),
-        .alphaBlendOp = vk_operation(state.alpha.operation),
-        .colorWriteMask = 0,
-    };
-}
-
-VkRenderingAttachmentInfo attachment(const peer::Image& image, VkAttachmentLoadOp load, VkClearValue clear) {
-    VkRenderingAttachmentInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
-    info.imageView = image.level_0.get();
-    info.imageLayout = peer::image_aspect(image.format) == VK_IMAGE_ASPECT_DEPTH_BIT ? VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL
-                                                                                     : VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    info.loadOp = load;
-    info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    info.clearValue = clear;
-    return info;
-}
-
-struct Attachments {
-    const VkRenderingAttachmentInfo* color = nullptr;
-    const VkRenderingAttachmentInfo* depth = nullptr;
-};
-void begin_rendering(VkCommandBuffer commands, VkExtent2D size, const Attachments& attachments) {
-    VkRenderingInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
-    info.renderArea.extent = size;
-    info.layerCount = 1;
-    info.colorAttachmentCount = attachments.color != nullptr ? 1 : 0;
-    info.pColorAttachments = attachments.color;
-    info.pDepthAttachment = attachments.depth;
-    vkCmdBeginRendering(commands, &info);
-}
-
-// With a scissor that is `inset` pixels smaller on each side.
-void set_viewport(VkCommandBuffer commands, const Viewport& viewport, int inset = 0) {
-    const VkViewport mapped{static_cast<float>(viewport.x),
-                            static_cast<float>(viewport.y),
-                            static_cast<float>(viewport.width),
-                            static_cast<float>(viewport.height),
-                            0,
-                            1};
-    const VkRect2D scissor{{viewport.x + inset, viewport.y + inset},
-                           {u32(viewport.width - 2 * inset), u32(viewport.height - 2 * inset)}};
-    vkCmdSetViewport(commands, 0, 1, &mapped);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
-}
-
-Viewport whole(VkExtent2D size) { return {0, 0, static_cast<int>(size.width), static_cast<int>(size.height)}; }
-
-void record_to_host(VkCommandBuffer commands) {
-    VkMemoryBarrier2 barrier{};
-    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2;
-    barrier.srcStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-    barrier.srcAccessMask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
-    barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
-    VkDependencyInfo dependency{};
-    dependency.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO;
-    dependency.memoryBarrierCount = 1;
-    dependency.pMemoryBarriers = &barrier;
-    vkCmdPipelineBarrier2(commands, &dependency);
 }
 
 template <class T>
@@ -194,13 +65,6 @@ std::vector<CoveredPixel> covered_in(const Viewport& viewport, std::span<const s
     return pixels;
 }
 
-VkExtent2D listed_size(std::size_t count) {
-    const auto pixels = static_cast<std::uint32_t>(count);
-    const std::uint32_t rows = (pixels + kListedWidth - 1) / kListedWidth;
-    if (rows > u32(kMaxSize)) fail("{} pixels; expected at most {}", count, u32(kMaxSize) * kListedWidth);
-    return {kListedWidth, rows};
-}
-
 }  // namespace
 
 Viewport coverage_viewport(const CoverageOptions& options, std::size_t index) {
@@ -208,63 +72,6 @@ Viewport coverage_viewport(const CoverageOptions& options, std::size_t index) {
     const auto cell = static_cast<int>(index % atlas.count());
     return {cell % atlas.columns * options.width, cell / atlas.columns * options.height, options.width, options.height};
 }
-
-struct RasterPeer::Machine {
-    peer::Device device;
-    RasterLayout layout;
-
-    Machine(const peer::PeerDevice& description, const peer::PeerOptions& options)
-        : device(description, options), layout(device) {}
-
-    [[nodiscard]] bool has_format(VkFormat format, int samples, VkFormatFeatureFlags features, VkImageUsageFlags usage) const {
-        VkFormatProperties properties{};
-        vkGetPhysicalDeviceFormatProperties(device.physical(), format, &properties);
-        if ((properties.optimalTilingFeatures & features) != features) return false;
-        VkImageFormatProperties image{};
-        const VkResult result = vkGetPhysicalDeviceImageFormatProperties(device.physical(), format, VK_IMAGE_TYPE_2D,
-                                                                         VK_IMAGE_TILING_OPTIMAL, usage, 0, &image);
-        return result == VK_SUCCESS && (image.sampleCounts & u32(samples)) != 0;
-    }
-
-    // Draws into `target`, which ends up as `use`, within one pass that starts from `attachments`.
-    struct Pass {
-        const peer::Image& target;
-        Attachments attachments;
-        VkDescriptorSet set;
-    };
-    void record_pass(VkCommandBuffer commands, const Pass& pass, const std::function<void()>& draw) const {
-        begin_rendering(commands, pass.target.size, pass.attachments);
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout.pipeline.get(), 0, 1, &pass.set, 0, nullptr);
-        set_viewport(commands, whole(pass.target.size));
-        draw();
-        vkCmdEndRendering(commands);
-    }
-
-    void push(VkCommandBuffer commands, const RasterConstants& constants) const {
-        vkCmdPushConstants(commands, layout.pipeline.get(), VK_SHADER_STAGE_FRAGMENT_BIT | VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                           sizeof(constants), &constants);
-    }
-
-    // Every sample of an image that was used as `last`.
-    [[nodiscard]] std::vector<std::byte> fetch(const peer::Image& image, peer::ImageUse last, FetchKind kind,
-                                               int samples) const {
-        const std::uint32_t pixels = image.size.width * image.size.height;
-        const std::size_t bytes = std::size_t{pixels} * (kind == FetchKind::Masks ? 4 : 16 * u32(samples));
-        const peer::Buffer fetched = peer::readback_buffer(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-        const RasterSet set = make_raster_set(device, layout, {.output = fetched.buffer.get(), .image = image.level_0.get()});
-        const peer::OwnedPipeline pipeline = make_fetch_pipeline(device, layout, kind, samples);
-        device.run(device.record([&](VkCommandBuffer commands) {
-            peer::record_transitions(commands, {{image, last, kFetched}});
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.get());
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout.pipeline.get(), 0, 1, &set.set, 0,
-                                    nullptr);
-            push(commands, {image.size.width, pixels});
-            vkCmdDispatch(commands, (pixels + kLocalSize - 1) / kLocalSize, 1, 1);
-            record_to_host(commands);
-        }));
-        return peer::read_buffer(device, fetched);
-    }
-};
 
 RasterPeer::RasterPeer(const peer::PeerDevice& device, const peer::PeerOptions& options)
     : machine_(std::make_unique<Machine>(device, options)) {}
@@ -282,11 +89,6 @@ bool RasterPeer::supports(DepthFormat format, int samples) const {
     return machine_->has_format(vk_format(format), samples,
                                 VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT,
                                 VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
-}
-
-bool RasterPeer::supports(ColorFormat format) const {
-    return machine_->has_format(vk_format(format), 4, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT,
-                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
 }
 
 std::vector<TriangleCoverage> RasterPeer::coverage(const CoverageOptions& options, std::span<const ClipTriangle> triangles) {
@@ -417,111 +219,6 @@ std::vector<Color> RasterPeer::attributes(const ClipTriangle& triangle, int widt
         });
     }));
     return values_of<Color>(peer::read_image(device, target, peer::kColorTarget));
-}
-
-std::vector<Codes> RasterPeer::blend(ColorFormat format, const BlendState& state, std::span<const BlendCase> cases) {
-    if (!supports(format)) fail("device '{}' cannot blend this format", description().name);
-    if (cases.empty()) return {};
-    const Machine& machine = *machine_;
-    const peer::Device& device = machine.device;
-    const VkExtent2D size = listed_size(cases.size());
-    std::vector<Color> sources(std::size_t{size.width} * size.height);
-    std::vector<Codes> destinations(sources.size());
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        sources[i] = cases[i].source;
-        destinations[i] = cases[i].destination;
-    }
-
-    const peer::Image target = peer::make_image(
-        device,
-        {.format = vk_format(format),
-         .size = size,
-         .usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    const peer::OwnedPipeline pipeline = make_raster_pipeline(device, machine.layout,
-                                                              {.source = FragmentSource::Listed,
-                                                               .color = vk_format(format),
-                                                               .blend = vk_blend(state),
-                                                               .blend_constant = state.constant});
-    const std::vector<std::byte> texels = texels_from_codes(format, destinations);
-    const peer::Buffer upload = peer::host_buffer(device, texels, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-    const peer::Buffer listed =
-        peer::host_buffer(device, std::as_bytes(std::span(sources)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const RasterSet set = make_raster_set(device, machine.layout, {.input = listed.buffer.get()});
-    const VkRenderingAttachmentInfo color = attachment(target, VK_ATTACHMENT_LOAD_OP_LOAD, {});
-    device.run(device.record([&](VkCommandBuffer commands) {
-        peer::record_transitions(commands, {{target, peer::kDiscarded, kCopyTarget}});
-        VkBufferImageCopy copy{};
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        copy.imageExtent = {size.width, size.height, 1};
-        vkCmdCopyBufferToImage(commands, upload.buffer.get(), target.image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                               &copy);
-        peer::record_transitions(commands, {{target, kCopyTarget, peer::kColorTarget}});
-        machine.record_pass(commands, {target, {&color, nullptr}, set.set}, [&] {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.get());
-            machine.push(commands, {size.width, 0});
-            vkCmdDraw(commands, 3, 1, 0, 0);
-        });
-    }));
-    std::vector<Codes> blended = codes_from_texels(format, peer::read_image(device, target, peer::kColorTarget));
-    blended.resize(cases.size());
-    return blended;
-}
-
-std::vector<Codes> RasterPeer::resolve(ColorFormat format, std::span<const SampleCodes> pixels, ResolveBy by) {
-    if (!supports(format)) fail("device '{}' cannot resolve this format", description().name);
-    if (pixels.empty()) return {};
-    const Machine& machine = *machine_;
-    const peer::Device& device = machine.device;
-    const VkExtent2D size = listed_size(pixels.size());
-    const std::size_t pixel_count = std::size_t{size.width} * size.height;
-
-    // Sample after sample, each a list of all pixels.
-    std::vector<Color> colors(4 * pixel_count);
-    for (std::size_t s = 0; s < 4; ++s)
-        for (std::size_t i = 0; i < pixels.size(); ++i) colors[s * pixel_count + i] = color_from_codes(format, pixels[i][s]);
-
-    const VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    const peer::Image sampled =
-        peer::make_image(device, {.format = vk_format(format), .size = size, .usage = usage, .samples = VK_SAMPLE_COUNT_4_BIT});
-    const peer::Image resolved =
-        peer::make_image(device, {.format = vk_format(format), .size = size, .usage = usage | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
-    std::array<peer::OwnedPipeline, 4> pipelines;
-    for (std::uint32_t s = 0; s < 4; ++s)
-        pipelines[s] = make_raster_pipeline(
-            device, machine.layout,
-            {.source = FragmentSource::Listed, .color = vk_format(format), .samples = 4, .sample_mask = 1u << s});
-    const peer::Buffer listed = peer::host_buffer(device, std::as_bytes(std::span(colors)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    const RasterSet set = make_raster_set(device, machine.layout, {.input = listed.buffer.get()});
-    VkRenderingAttachmentInfo color = attachment(sampled, VK_ATTACHMENT_LOAD_OP_CLEAR, {});
-    if (by == ResolveBy::Attachment) {
-        color.resolveMode = VK_RESOLVE_MODE_AVERAGE_BIT;
-        color.resolveImageView = resolved.level_0.get();
-        color.resolveImageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    }
-    device.run(device.record([&](VkCommandBuffer commands) {
-        peer::record_transitions(
-            commands, {{sampled, peer::kDiscarded, peer::kColorTarget}, {resolved, peer::kDiscarded, peer::kColorTarget}});
-        machine.record_pass(commands, {sampled, {&color, nullptr}, set.set}, [&] {
-            for (std::uint32_t s = 0; s < 4; ++s) {
-                vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipelines[s].get());
-                machine.push(commands, {size.width, s * static_cast<std::uint32_t>(pixel_count)});
-                vkCmdDraw(commands, 3, 1, 0, 0);
-            }
-        });
-        if (by == ResolveBy::Attachment) return;
-        peer::record_transitions(
-            commands, {{sampled, peer::kColorTarget, kResolveSource}, {resolved, peer::kColorTarget, kResolveTarget}});
-        VkImageResolve region{};
-        region.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.extent = {size.width, size.height, 1};
-        vkCmdResolveImage(commands, sampled.image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, resolved.image.get(),
-                          VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    }));
-    const peer::ImageUse last = by == ResolveBy::Attachment ? peer::kColorTarget : kResolveTarget;
-    std::vector<Codes> codes = codes_from_texels(format, peer::read_image(device, resolved, last));
-    codes.resize(pixels.size());
-    return codes;
 }
 
 }  // namespace gnomon::agree
