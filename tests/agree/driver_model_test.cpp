@@ -92,7 +92,7 @@ void check_coverage(RasterPeer& machine, Driver driver, TriangleKind kind, const
         }
         differences.report(fmt::format("{}, {} x {} less {}, {} samples", name_of(kind), c.width, c.height, c.inset, samples),
                            triangles.size());
-        CHECK(not_empty * 50 > triangles.size());
+        CHECK(not_empty * 100 > triangles.size());
     }
 }
 
