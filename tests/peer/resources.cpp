@@ -60,13 +60,20 @@ OwnedImageView make_view(const Device& device, const Image& image, std::uint32_t
     return {device.get(), view};
 }
 
-// Of the formats that frames are rendered to.
-std::size_t texel_bytes(VkFormat format) { return format == VK_FORMAT_R32G32_SFLOAT ? 8 : 4; }
-
 }  // namespace
 
 VkImageAspectFlags image_aspect(VkFormat format) {
-    return format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+    const bool is_depth =
+        format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM || format == VK_FORMAT_X8_D24_UNORM_PACK32;
+    return is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+std::size_t texel_bytes(VkFormat format) {
+    if (format == VK_FORMAT_D16_UNORM) return 2;
+    if (format == VK_FORMAT_R32G32B32A32_SFLOAT) return 16;
+    const bool is_64_bits =
+        format == VK_FORMAT_R32G32_SFLOAT || format == VK_FORMAT_R16G16B16A16_UNORM || format == VK_FORMAT_R16G16B16A16_SFLOAT;
+    return is_64_bits ? 8 : 4;
 }
 
 std::uint32_t full_mip_levels(std::uint32_t size) { return static_cast<std::uint32_t>(std::bit_width(size)); }
@@ -99,7 +106,7 @@ Image make_image(const Device& device, const ImageOptions& options) {
     info.extent = {options.size.width, options.size.height, 1};
     info.mipLevels = options.levels;
     info.arrayLayers = 1;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.samples = options.samples;
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage = options.usage;
     VkImage handle{};
@@ -143,9 +150,22 @@ void record_transitions(VkCommandBuffer commands, std::initializer_list<Transiti
     vkCmdPipelineBarrier2(commands, &dependency);
 }
 
+Buffer readback_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage) {
+    return make_buffer(device, bytes, usage, kHostMemory);
+}
+
+std::vector<std::byte> read_buffer(const Device& device, const Buffer& buffer) {
+    std::vector<std::byte> data(buffer.bytes);
+    void* mapped = nullptr;
+    check(vkMapMemory(device.get(), buffer.memory.get(), 0, VK_WHOLE_SIZE, 0, &mapped), "mapping a buffer");
+    std::memcpy(data.data(), mapped, data.size());
+    vkUnmapMemory(device.get(), buffer.memory.get());
+    return data;
+}
+
 std::vector<std::byte> read_image(const Device& device, const Image& image, ImageUse last) {
     const std::size_t bytes = texel_bytes(image.format) * image.size.width * image.size.height;
-    const Buffer staging = make_buffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, kHostMemory);
+    const Buffer staging = readback_buffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
     device.run(device.record([&](VkCommandBuffer commands) {
         record_transitions(commands, {{image, last, kCopySource}});
         VkBufferImageCopy copy{};
@@ -169,12 +189,7 @@ std::vector<std::byte> read_image(const Device& device, const Image& image, Imag
         vkCmdPipelineBarrier2(commands, &dependency);
     }));
 
-    std::vector<std::byte> data(bytes);
-    void* mapped = nullptr;
-    check(vkMapMemory(device.get(), staging.memory.get(), 0, VK_WHOLE_SIZE, 0, &mapped), "mapping a buffer");
-    std::memcpy(data.data(), mapped, bytes);
-    vkUnmapMemory(device.get(), staging.memory.get());
-    return data;
+    return read_buffer(device, staging);
 }
 
 }  // namespace gnomon::peer

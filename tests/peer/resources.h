@@ -34,6 +34,7 @@ struct ImageOptions {
     VkExtent2D size{};
     std::uint32_t levels = 1;
     VkImageUsageFlags usage = 0;
+    VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
 };
 
 /// One way an image is used: what must wait, what must be made visible, and the layout for it.
@@ -83,6 +84,14 @@ struct Transition {
 };
 /// All of them by one barrier, for llvmpipe drains its pipeline at each; images that do not exist are left out.
 void record_transitions(VkCommandBuffer commands, std::initializer_list<Transition> transitions);
+
+/// The bytes of a texel as copies to and from buffers have it, of the formats that are rendered to here.
+std::size_t texel_bytes(VkFormat format);
+
+/// A buffer with nothing in it, for the device to write and the host to read.
+Buffer readback_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage);
+/// What is in a host-visible buffer.
+std::vector<std::byte> read_buffer(const Device& device, const Buffer& buffer);
 
 /// Level 0 as tightly packed rows of texels; `last` is the image's last use, which it returns to.
 std::vector<std::byte> read_image(const Device& device, const Image& image, ImageUse last);
