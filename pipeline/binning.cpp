@@ -35,7 +35,7 @@ public:
         const std::uint64_t first = instance * input_.vertices_per_instance;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::uint32_t corner = assembled.corner[i];
-            at[i] = first + (input_.numbers != nullptr ? (*input_.numbers)[corner] - input_.number_base : corner);
+            at[i] = first + (input_.numbers != nullptr ? (*input_.numbers)[corner] : corner) - input_.base;
         }
 
         PrimitiveHead<Scalar> head{.id = id};

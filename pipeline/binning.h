@@ -49,7 +49,7 @@ struct BinningInput {
     const VertexBlock<Scalar>& vertices;
     const Assembly& assembly;
     const VertexNumbers* numbers = nullptr;  // null: corners are shaded one by one
-    std::uint32_t number_base = 0;           // the number of the block's first vertex
+    std::uint32_t base = 0;                  // the number, or corner, of the block's first vertex
     std::uint32_t vertices_per_instance = 0;
     int corners = 3;                         // of each primitive
     bool layered = false;                    // records end with layer and viewport

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 namespace gnomon {
 
@@ -23,6 +24,24 @@ struct TileEdges {
     std::array<std::array<std::int32_t, kMaxSamples>, 3> at_sample;
     std::array<std::int32_t, 3> least{};
     std::array<std::int32_t, 3> most{};
+
+    /// Short edges relative to any pixel, nothing dropped.
+    static TileEdges around(const std::array<Edge, 3>& edges, const SamplePattern& pattern, int x, int y) {
+        TileEdges around;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Edge& e = edges[i];
+            const auto constant = [&](std::size_t s) {
+                return e.at_sample(pattern.at[s].x * kSampleGrid, pattern.at[s].y * kSampleGrid);
+            };
+            const std::int64_t first = constant(0);
+            around.a[i] = e.a;
+            around.b[i] = e.b;
+            around.value[i] = static_cast<std::int32_t>(std::int64_t{e.a} * x + std::int64_t{e.b} * y + first);
+            for (std::size_t s = 1; s < static_cast<std::size_t>(pattern.count); ++s)
+                around.at_sample[i][s] = static_cast<std::int32_t>(constant(s) - first);
+        }
+        return around;
+    }
 
     TileEdges(const std::array<Edge, 3>& edges, const SamplePattern& pattern, int tile_x, int tile_y) {
         constexpr std::int64_t kReach = kTileSize - 1;
@@ -46,7 +65,7 @@ struct TileEdges {
             if (origin + high + (std::max(e.a, 0) + std::int64_t{std::max(e.b, 0)}) * kReach < 0) outside = true;
             if (inside || outside) {
                 a[i] = b[i] = value[i] = 0;
-                at_sample[i].fill(0);
+                if (samples > 1) at_sample[i].fill(0);
                 continue;
             }
             a[i] = e.a;
@@ -56,7 +75,17 @@ struct TileEdges {
             most[i] = static_cast<std::int32_t>(high - first);
         }
     }
+
+private:
+    TileEdges() = default;
 };
+
+/// Whether the edges of a triangle of few pixels are also short, so that their values anywhere near it fit in 32 bits: a large
+/// triangle in a small viewport has few pixels, too.
+inline bool has_short_edges(const std::array<Edge, 3>& edges) {
+    constexpr std::int32_t kShort = 1 << 14;  // 64 pixels
+    return std::ranges::all_of(edges, [](const Edge& e) { return std::abs(e.a) <= kShort && std::abs(e.b) <= kShort; });
+}
 
 /// The same edges relative to one 8x8 block.
 struct BlockEdges {
@@ -85,9 +114,10 @@ struct LaneSteps {
     }
 };
 
-/// The three edge functions at sample 0 of the row of quads at (dx, dy) inside a block.
-inline std::array<Int, 3> edge_values(const TileEdges& tile, const BlockEdges& block, const LaneSteps& lanes, int dx, int dy) {
-    const auto value = [&](std::size_t i) { return Int(block.value[i] + tile.a[i] * dx + tile.b[i] * dy) + lanes.step[i]; };
+/// The three edge functions at sample 0 of the row of quads at (dx, dy) from where they are `base`.
+inline std::array<Int, 3> edge_values(const TileEdges& tile, const std::array<std::int32_t, 3>& base, const LaneSteps& lanes,
+                                      int dx, int dy) {
+    const auto value = [&](std::size_t i) { return Int(base[i] + tile.a[i] * dx + tile.b[i] * dy) + lanes.step[i]; };
     return {value(0), value(1), value(2)};
 }
 

@@ -21,7 +21,7 @@ void visit_tile(const Primitive<float>& triangle, const SamplePattern& pattern, 
     for (int y = area.y0 & ~1; y < area.y1; y += kWaveHeight) {
         for (int x = area.x0 & ~(kBlockSize - 1); x < area.x1; x += kWaveWidth) {
             const BlockEdges here(edges, x - tile_x, y - tile_y);
-            const auto values = edge_values(edges, here, steps, 0, 0);
+            const auto values = edge_values(edges, here.value, steps, 0, 0);
             const std::uint32_t inside = lanes_inside(area, x, y);
             std::array<std::uint32_t, kMaxSamples> masks{};
             for (std::size_t s = 0; s < static_cast<std::size_t>(pattern.count); ++s)

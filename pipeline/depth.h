@@ -10,6 +10,7 @@
 #include "texunit/compare.h"
 #include "texunit/texture.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -74,16 +75,6 @@ constexpr bool stencil_passes(CompareOp op, int reference, int stored) {
     __builtin_unreachable();
 }
 
-/// Reads a row of quads of 32-bit texels in lane order, and back: two loads instead of a gather. `row` is the upper of the two.
-inline Int load_quad_row(const std::byte* row, std::int32_t pitch) {
-    alignas(64) std::array<std::int32_t, kLanes> lanes;
-    for (std::size_t q = 0; q < kQuadsPerWave; ++q) {
-        std::memcpy(&lanes[4 * q], row + 8 * q, 8);
-        std::memcpy(&lanes[4 * q + 2], row + pitch + 8 * q, 8);
-    }
-    return Int::load(lanes.data());
-}
-
 /// The depth target of a draw, at one layer.
 class DepthTarget {
 public:
@@ -92,7 +83,6 @@ public:
           view_(view),
           pitch_(texture.table().pitch[static_cast<std::size_t>(view.level)]),
           plane_(texture.layer_stride()),
-          width_(texture.width(view.level)),
           type_(texture.info().type),
           depth_(depth),
           stencil_(stencil) {
@@ -115,9 +105,9 @@ public:
     /// Lanes of `mask` whose code passes at sample s.
     [[nodiscard]] std::uint32_t test(const Wave& wave, std::uint32_t mask, Int code, int s, Int& stored) const {
         const std::byte* plane = base_ + std::ptrdiff_t{plane_} * s;
-        if (wave.row && wave.quad_x[0] + kWaveWidth <= width_) {
-            stored =
-                load_quad_row(plane + std::ptrdiff_t{wave.quad_y[0]} * pitch_ + std::ptrdiff_t{wave.quad_x[0]} * 4, pitch_);
+        if (wave.row) {
+            const std::byte* upper = row_of(plane, wave);
+            stored = load_quad_row(upper, upper + pitch_);
         } else {
             stored = gather_bits(plane, wave.y * Int(pitch_) + shift_left<2>(wave.x));
         }
@@ -127,13 +117,19 @@ public:
     /// Writes the codes of the lanes in `passed`.
     void write(const Wave& wave, Int code, Int stored, std::uint32_t passed, int s) {
         std::byte* plane = base_ + std::ptrdiff_t{plane_} * s;
-        alignas(64) std::array<std::int32_t, kLanes> merged;
-        select(Mask::from_bits(passed), code, stored).store(merged.data());
+        const Int merged = select(Mask::from_bits(passed), code, stored);
+        if (wave.row) {
+            // Lanes that failed get back what they had: the tile is this worker's alone.
+            std::byte* upper = row_of(plane, wave);
+            store_quad_row(merged, upper, upper + pitch_);
+            return;
+        }
+        alignas(64) const std::array<std::int32_t, kLanes> lanes = merged.lanes();
         for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
             if ((passed >> (4 * q) & 0xfu) == 0) continue;
             std::byte* row = plane + std::ptrdiff_t{wave.quad_y[q]} * pitch_ + std::ptrdiff_t{wave.quad_x[q]} * 4;
-            std::memcpy(row, &merged[4 * q], 8);
-            std::memcpy(row + pitch_, &merged[4 * q + 2], 8);
+            std::memcpy(row, &lanes[4 * q], 8);
+            std::memcpy(row + pitch_, &lanes[4 * q + 2], 8);
         }
     }
 
@@ -158,20 +154,29 @@ public:
 
     /// The largest (or smallest) code stored in an 8x8 block that lies inside `limit`, over all samples.
     [[nodiscard]] std::int32_t block_extreme(int x, int y, const PixelRect& limit, int samples, bool largest) const {
-        std::int32_t found = largest ? 0 : std::numeric_limits<std::int32_t>::max();
-        const int x_end = std::min(x + kBlockSize, limit.x1);
+        std::array<std::int32_t, kBlockSize> found;
+        found.fill(largest ? 0 : std::numeric_limits<std::int32_t>::max());
+        const auto width = static_cast<std::size_t>(std::min(kBlockSize, limit.x1 - x));
         for (int s = 0; s < samples; ++s) {
             for (int row = y; row < std::min(y + kBlockSize, limit.y1); ++row) {
-                const auto* codes =
-                    reinterpret_cast<const std::int32_t*>(base_ + std::ptrdiff_t{plane_} * s + std::ptrdiff_t{row} * pitch_);
-                for (int column = x; column < x_end; ++column)
-                    found = largest ? std::max(found, codes[column]) : std::min(found, codes[column]);
+                std::array<std::int32_t, kBlockSize> codes = found;  // columns past the limit count for nothing
+                std::memcpy(codes.data(),
+                            base_ + std::ptrdiff_t{plane_} * s + std::ptrdiff_t{row} * pitch_ + std::ptrdiff_t{x} * 4,
+                            4 * width);
+                for (std::size_t i = 0; i < codes.size(); ++i)
+                    found[i] = largest ? std::max(found[i], codes[i]) : std::min(found[i], codes[i]);
             }
         }
-        return found;
+        return largest ? *std::ranges::max_element(found) : *std::ranges::min_element(found);
     }
 
 private:
+    /// Where the upper row of a row of quads begins. All of its quads are in use, so all of it lies inside the (even) padding.
+    template <class Byte>
+    Byte* row_of(Byte* plane, const Wave& wave) const {
+        return plane + std::ptrdiff_t{wave.quad_y[0]} * pitch_ + std::ptrdiff_t{wave.quad_x[0]} * 4;
+    }
+
     template <class Visit>
     void for_each_lane(const Wave& wave, std::uint32_t mask, int s, const Visit& visit) const {
         std::uint8_t* plane = stencil_base_ + std::ptrdiff_t{plane_ / 4} * s;
@@ -189,7 +194,6 @@ private:
     std::int32_t pitch_;
     std::int32_t plane_;
     std::int32_t stencil_pitch_ = 0;
-    int width_;
     int layer_ = 0;
     ComponentType type_;
     DepthState depth_;
@@ -214,6 +218,7 @@ public:
             case CompareOp::NotEqual:
             case CompareOp::Always: break;
         }
+        forget_all();
         // A failing sample must leave no trace.
         usable_ = usable_ && target.depth().test && !target.stencil().test;
     }
@@ -222,14 +227,17 @@ public:
     /// Whether small codes are near.
     [[nodiscard]] bool larger_is_far() const { return larger_is_far_; }
 
-    /// Whether no sample of the block can pass if no new code is nearer than `nearest`. Never wrong, only sometimes cautious.
-    bool rejects(int block_x, int block_y, std::int32_t nearest) {
+    /// Whether no sample of the block can pass if no new code is nearer than `nearest`. Never wrong, only sometimes cautious:
+    /// what a test lets through is nearer than what was there, so a farthest depth of old still bounds what is stored, and is
+    /// looked up again only when much was written since and the primitive at hand is `large` enough to pay for it.
+    bool rejects(int block_x, int block_y, std::int32_t nearest, bool large) {
         const std::size_t i = index(block_x, block_y);
-        if ((known_ >> i & 1u) == 0) {
+        if (large && written_[i] >= kStaleQuads) {
             farthest_[i] = target_.block_extreme(tile_x_ + block_x * kBlockSize, tile_y_ + block_y * kBlockSize, limit_,
                                                  samples_, larger_is_far_);
-            known_ |= std::uint64_t{1} << i;
+            written_[i] = 0;
         }
+        if (written_[i] == kUnknown) return false;
         switch (target_.depth().compare) {
             case CompareOp::Less: return nearest >= farthest_[i];
             case CompareOp::LessEqual: return nearest > farthest_[i];
@@ -243,16 +251,16 @@ public:
         return false;
     }
 
-    /// Pixels at (x, y) were written.
-    void forget(int x, int y) {
-        known_ &= ~(std::uint64_t{1} << index((x - tile_x_) / kBlockSize, (y - tile_y_) / kBlockSize));
+    /// A quad at (x, y) was written.
+    void note_write(int x, int y) {
+        std::uint8_t& written = written_[index((x - tile_x_) / kBlockSize, (y - tile_y_) / kBlockSize)];
+        if (written < kUnknown - 1) ++written;
     }
-    /// Everything may have been.
-    void forget_all() { known_ = 0; }
+    /// Another target: nothing is known.
+    void forget_all() { written_.fill(kUnknown); }
 
 private:
     static std::size_t index(int block_x, int block_y) { return static_cast<std::size_t>(block_y * kBlocksPerTile + block_x); }
-    static_assert(kBlocksPerTile * kBlocksPerTile <= 64);
 
     const DepthTarget& target_;
     int tile_x_;
@@ -261,8 +269,10 @@ private:
     int samples_;
     bool usable_ = false;
     bool larger_is_far_ = false;
+    static constexpr std::uint8_t kStaleQuads = 16;  // a whole block
+    static constexpr std::uint8_t kUnknown = 255;
     std::array<std::int32_t, kBlocksPerTile * kBlocksPerTile> farthest_;
-    std::uint64_t known_ = 0;
+    std::array<std::uint8_t, kBlocksPerTile * kBlocksPerTile> written_;  // quads since farthest_ was looked up, or kUnknown
 };
 
 }  // namespace gnomon

@@ -11,7 +11,7 @@ namespace gnomon {
 namespace {
 
 // One batch of a draw is set up and drawn before the next, so that memory stays bounded however much is drawn.
-constexpr std::uint64_t kBatchPrimitives = 1u << 16;
+constexpr std::uint64_t kBatchPrimitives = 1u << 14;  // and its pieces stay in the second-level cache
 constexpr std::uint32_t kBatchVertices = 1u << 18;
 
 template <class Real>
@@ -28,31 +28,76 @@ public:
           assembly_(numbers_, draw_.topology, draw_.raster.provoking, draw_.primitive_restart) {}
 
     void run() {
-        if (assembly_.count() == 0 || draw_.instance_count == 0) return;
-        // A range of vertices that is mostly not used is not worth shading: then every corner is shaded for itself.
-        const std::uint64_t range = std::uint64_t{context_.highest} - context_.lowest + 1;
-        const bool by_corner = range > 2 * std::uint64_t{draw_.count} + 1024;
-        VertexFetch fetch{.vertices = context_.vertices,
-                          .instances = context_.instances,
-                          .corners = by_corner ? &numbers_ : nullptr,
-                          .first = context_.lowest,
-                          .base_vertex = draw_.base_vertex,
-                          .vertex_id_base = numbers_.indexed() ? 0 : draw_.first,
-                          .count = by_corner ? draw_.count : static_cast<std::uint32_t>(range),
-                          .first_instance = draw_.first_instance};
-        const std::uint32_t together = std::max(1u, kBatchVertices / fetch.count);
-        for (std::uint32_t i = 0; i < draw_.instance_count;) {
-            fetch.instance_begin = i;
-            fetch.instance_count = std::min(together, draw_.instance_count - i);
-            draw_instances(fetch);
-            i += fetch.instance_count;
+        const std::uint32_t primitives = assembly_.count();
+        if (primitives == 0 || draw_.instance_count == 0) return;
+        const Window whole = window_of(0, primitives);
+        if (whole.count <= kBatchVertices) {
+            // Few vertices: as many instances together as fit.
+            const std::uint32_t together = std::max(1u, kBatchVertices / whole.count);
+            for (std::uint32_t i = 0; i < draw_.instance_count; i += together) {
+                const std::uint32_t count = std::min(together, draw_.instance_count - i);
+                draw_window(whole, {i, count}, 0, std::uint64_t{primitives} * count);
+            }
+            return;
+        }
+        // Many: the vertices of one batch of primitives at a time.
+        for (std::uint32_t i = 0; i < draw_.instance_count; ++i) {
+            for (std::uint64_t begin = 0; begin < primitives; begin += kBatchPrimitives) {
+                const std::uint64_t end = std::min<std::uint64_t>(primitives, begin + kBatchPrimitives);
+                draw_window(window_of(begin, end), {i, 1}, begin, end);
+            }
         }
     }
 
 private:
-    void draw_instances(const VertexFetch& fetch) {
+    /// The vertices that some primitives use: a range of vertex numbers or, where that is mostly not used, a range of corners,
+    /// each shaded for itself.
+    struct Window {
+        bool by_corner = false;
+        std::uint32_t first = 0;
+        std::uint32_t count = 0;
+    };
+    struct InstanceRange {
+        std::uint32_t begin = 0;
+        std::uint32_t count = 1;
+    };
+
+    Window window_of(std::uint64_t begin, std::uint64_t end) const {
+        const auto corners = static_cast<std::size_t>(corner_count(draw_.topology));
+        std::uint32_t first_corner = ~0u;
+        std::uint32_t last_corner = 0;
+        std::uint32_t lowest = ~0u;
+        std::uint32_t highest = 0;
+        for (std::uint64_t p = begin; p < end; ++p) {
+            const AssembledPrimitive primitive = assembly_[static_cast<std::uint32_t>(p)];
+            for (std::size_t c = 0; c < corners; ++c) {
+                const std::uint32_t number = numbers_[primitive.corner[c]];
+                first_corner = std::min(first_corner, primitive.corner[c]);
+                last_corner = std::max(last_corner, primitive.corner[c]);
+                lowest = std::min(lowest, number);
+                highest = std::max(highest, number);
+            }
+        }
+        const std::uint64_t range = std::uint64_t{highest} - lowest + 1;
+        const std::uint64_t span = std::uint64_t{last_corner} - first_corner + 1;
+        if (range > 2 * span + 1024) return {true, first_corner, static_cast<std::uint32_t>(span)};
+        return {false, lowest, static_cast<std::uint32_t>(range)};
+    }
+
+    /// Draws primitives [begin, end), counted through the instances.
+    void draw_window(const Window& window, const InstanceRange& instances, std::uint64_t begin, std::uint64_t end) {
         const bool flush = machine_.profile.flush_denormals;
         const Program& program = *draw_.program;
+        const VertexFetch fetch{.vertices = context_.vertices,
+                                .instances = context_.instances,
+                                .corners = window.by_corner ? &numbers_ : nullptr,
+                                .first = window.first,
+                                .base_vertex = draw_.base_vertex,
+                                .vertex_id_base = numbers_.indexed() ? 0 : draw_.first,
+                                .count = window.count,
+                                .first_instance = draw_.first_instance,
+                                .instance_begin = instances.begin,
+                                .instance_count = instances.count};
         program.shade_vertices.template get<Real>()(context_.vertex_functor.data(), fetch, machine_.workers, flush,
                                                     scratch_.vertices);
         scratch_.projected.codes.clear();
@@ -61,22 +106,21 @@ private:
             project_vertices(scratch_.vertices, context_.setup, machine_.workers, flush, scratch_.projected);
         const BinningInput<Scalar> input{.vertices = scratch_.vertices,
                                          .assembly = assembly_,
-                                         .numbers = fetch.corners == nullptr ? &numbers_ : nullptr,
-                                         .number_base = fetch.first,
-                                         .vertices_per_instance = fetch.count,
+                                         .numbers = window.by_corner ? nullptr : &numbers_,
+                                         .base = window.first,
+                                         .vertices_per_instance = window.count,
                                          .corners = corner_count(draw_.topology),
                                          .layered = program.layered,
                                          .linear = program.linear,
                                          .state = context_.setup,
                                          .tiles_x = context_.tiles_x,
                                          .tiles = context_.tiles_x * context_.tiles_y};
-        const std::uint64_t primitives = std::uint64_t{assembly_.count()} * fetch.instance_count;
-        for (std::uint64_t begin = 0; begin < primitives; begin += kBatchPrimitives) {
-            bin_primitives(input, begin, std::min(primitives, begin + kBatchPrimitives), machine_.workers, flush,
-                           scratch_.projected, scratch_.primitives);
+        for (std::uint64_t batch = begin; batch < end; batch += kBatchPrimitives) {
+            bin_primitives(input, batch, std::min(end, batch + kBatchPrimitives), machine_.workers, flush, scratch_.projected,
+                           scratch_.primitives);
             draw_tiles();
         }
-        if (machine_.tally != nullptr) count_vertices(fetch);
+        if (machine_.tally != nullptr) count_vertices(fetch, begin == 0);
     }
 
     /// Tiles in parallel; each pixel belongs to one tile, and each tile keeps primitive order.
@@ -99,14 +143,15 @@ private:
         for (const auto& chunk : binned.chunks) machine_.tally->counters += chunk.counters;
     }
 
-    void count_vertices(const VertexFetch& fetch) {
+    void count_vertices(const VertexFetch& fetch, bool first_batch) {
         const std::uint64_t shaded = std::uint64_t{fetch.count} * fetch.instance_count;
         const auto floats = [](int count) { return static_cast<std::uint64_t>(count) * sizeof(float); };
         machine_.tally->counters.vertices += shaded;
         machine_.tally->read(draw_.vertices, shaded * floats(draw_.program->vertex_floats));
         if (draw_.program->instance_floats > 0)
             machine_.tally->read(draw_.instances, shaded * floats(draw_.program->instance_floats));
-        if (draw_.indices != BufferId::None)
+        // Every index once per instance, with its first batch.
+        if (draw_.indices != BufferId::None && first_batch)
             machine_.tally->read(draw_.indices, std::uint64_t{draw_.count} * fetch.instance_count * numbers_.bytes_each());
     }
 

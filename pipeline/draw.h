@@ -39,8 +39,6 @@ struct DrawContext {
     std::span<const float> vertices;
     std::span<const float> instances;
     std::span<const std::byte> indices;  // empty: none
-    std::uint32_t lowest = 0;            // vertex numbers that the draw uses, before base_vertex
-    std::uint32_t highest = 0;
     std::vector<ViewportTransform> viewports;
     std::vector<ColorTarget> color;
     SetupState setup;

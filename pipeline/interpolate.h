@@ -52,17 +52,17 @@ struct PixelOffset {
 
 /// Of the position (x, y) in 1/256 of each pixel.
 template <class Real>
-PixelOffset<Real> pixel_offset(const Wave& wave, Int x, Int y, std::int32_t x0, std::int32_t y0) {
+GNOMON_INLINE PixelOffset<Real> pixel_offset(const Wave& wave, Int x, Int y, std::int32_t x0, std::int32_t y0) {
     const Real subpixel(1.0f / kSubpixels);
     return {Real(shift_left<kSubpixelBits>(wave.x) + (x - Int(x0))) * subpixel,
             Real(shift_left<kSubpixelBits>(wave.y) + (y - Int(y0))) * subpixel};
 }
 template <class Real>
-PixelOffset<Real> centre_offset(const Wave& wave, std::int32_t x0, std::int32_t y0) {
+GNOMON_INLINE PixelOffset<Real> centre_offset(const Wave& wave, std::int32_t x0, std::int32_t y0) {
     return pixel_offset<Real>(wave, Int(kSubpixels / 2), Int(kSubpixels / 2), x0, y0);
 }
 template <class Real>
-PixelOffset<Real> sample_offset(const Wave& wave, const SamplePosition& at, std::int32_t x0, std::int32_t y0) {
+GNOMON_INLINE PixelOffset<Real> sample_offset(const Wave& wave, const SamplePosition& at, std::int32_t x0, std::int32_t y0) {
     return pixel_offset<Real>(wave, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
 }
 
@@ -93,7 +93,7 @@ PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern
 }
 
 template <class Real, class Scalar>
-Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+GNOMON_INLINE Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
     return Real(p.z0) + (at.dx * Real(p.z_dx) + at.dy * Real(p.z_dy));
 }
 
@@ -118,11 +118,11 @@ struct Barycentrics {
 };
 
 template <class Real, class Scalar>
-LinearBarycentrics<Real> interpolate_linear(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+GNOMON_INLINE LinearBarycentrics<Real> interpolate_linear(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
     return {at.dx * Real(p.l1_dx) + at.dy * Real(p.l1_dy), at.dx * Real(p.l2_dx) + at.dy * Real(p.l2_dy)};
 }
 template <class Real, class Scalar>
-Barycentrics<Real> interpolate_barycentrics(const Primitive<Scalar>& p, const LinearBarycentrics<Real>& l) {
+GNOMON_INLINE Barycentrics<Real> interpolate_barycentrics(const Primitive<Scalar>& p, const LinearBarycentrics<Real>& l) {
     const Real inv_w = Real(p.inv_w[0]) + (l.l1 * Real(p.inv_w[1] - p.inv_w[0]) + l.l2 * Real(p.inv_w[2] - p.inv_w[0]));
     const Real w = Real(Scalar(1)) / inv_w;
     return {l.l1 * Real(p.inv_w[1]) * w, l.l2 * Real(p.inv_w[2]) * w, w};
@@ -136,43 +136,44 @@ struct EvaluationPoint {
 };
 
 template <class Real, class Scalar>
-EvaluationPoint<Real> evaluation_point(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
+GNOMON_INLINE EvaluationPoint<Real> evaluation_point(const Primitive<Scalar>& p, const PixelOffset<Real>& at) {
     const LinearBarycentrics<Real> linear = interpolate_linear(p, at);
     return {linear, interpolate_barycentrics(p, linear)};
 }
 
-/// The positions that the modes of a struct of varyings ask for; the others are not set.
-template <class Real>
-struct EvaluationPoints {
-    EvaluationPoint<Real> centre;
-    EvaluationPoint<Real> centroid;
-    EvaluationPoint<Real> sample;
-};
+/// One varying at the position its mode asks for.
+template <Interpolation kHow, class Real, class Scalar>
+GNOMON_INLINE Real interpolate(const Primitive<Scalar>& p, std::size_t i, const EvaluationPoint<Real>& at) {
+    if constexpr (kHow == Interpolation::Flat) {
+        return Real(p.flat[i]);
+    } else {
+        const Scalar a0 = p.varyings[0][i];
+        const Real d1(p.varyings[1][i] - a0);
+        const Real d2(p.varyings[2][i] - a0);
+        if constexpr (is_linear(kHow)) {
+            return Real(a0) + (at.linear.l1 * d1 + at.linear.l2 * d2);
+        } else {
+            return Real(a0) + (at.perspective.b1 * d1 + at.perspective.b2 * d2);
+        }
+    }
+}
 
-/// Varyings of a wave as the pixel functor sees them; `Varyings` is a struct of Reals.
+/// Varyings of a wave as the pixel functor sees them; `Varyings` is a struct of Reals. Points that no mode asks for may be any.
 template <class Varyings, class Real, class Scalar>
-Varyings interpolate_varyings(const Primitive<Scalar>& p, const EvaluationPoints<Real>& points) {
+GNOMON_INLINE Varyings interpolate_varyings(const Primitive<Scalar>& p, const EvaluationPoint<Real>& centre,
+                                            const EvaluationPoint<Real>& centroid, const EvaluationPoint<Real>& sample) {
     if constexpr (std::is_empty_v<Varyings>) {
         return Varyings{};
     } else {
         static_assert(sizeof(Varyings) % sizeof(Real) == 0);
-        std::array<Real, sizeof(Varyings) / sizeof(Real)> values;
-        for (std::size_t i = 0; i < values.size(); ++i) {
-            const Interpolation how = interpolation_of<Varyings>(i);
-            if (how == Interpolation::Flat) {
-                values[i] = Real(p.flat[i]);
-                continue;
-            }
-            const EvaluationPoint<Real>& at = is_at_sample(how)  ? points.sample
-                                              : is_centroid(how) ? points.centroid
-                                                                 : points.centre;
-            const Scalar a0 = p.varyings[0][i];
-            const Real d1(p.varyings[1][i] - a0);
-            const Real d2(p.varyings[2][i] - a0);
-            values[i] = is_linear(how) ? Real(a0) + (at.linear.l1 * d1 + at.linear.l2 * d2)
-                                       : Real(a0) + (at.perspective.b1 * d1 + at.perspective.b2 * d2);
-        }
-        return std::bit_cast<Varyings>(values);
+        return [&]<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+            const auto value = [&]<std::size_t kScalar>(std::integral_constant<std::size_t, kScalar>) {
+                constexpr Interpolation kHow = interpolation_of<Varyings>(kScalar);
+                return interpolate<kHow>(p, kScalar, is_at_sample(kHow) ? sample : is_centroid(kHow) ? centroid : centre);
+            };
+            const std::array<Real, sizeof...(kIndex)> values{value(std::integral_constant<std::size_t, kIndex>{})...};
+            return std::bit_cast<Varyings>(values);
+        }(std::make_index_sequence<sizeof(Varyings) / sizeof(Real)>());
     }
 }
 

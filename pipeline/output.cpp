@@ -60,8 +60,13 @@ void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask
             words = AnyCodec::encode(truncate<kCount>(colors.color), profile.float_narrowing);
         }
 
-        const SpilledTexels<AnyCodec> spilled(words);
         const std::ptrdiff_t pitch = target.pitch;
+        if (AnyCodec::kBytes == 4 && wave.row && mask == kAllLanes) {
+            std::byte* upper = base + wave.quad_y[0] * pitch + std::ptrdiff_t{wave.quad_x[0]} * 4;
+            store_quad_row(words[0], upper, upper + pitch);
+            return;
+        }
+        const SpilledTexels<AnyCodec> spilled(words);
         for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
             const std::uint32_t lanes = mask >> (4 * q) & 0xfu;
             if (lanes == 0) continue;

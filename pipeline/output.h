@@ -28,9 +28,9 @@ struct ColorTarget {
 /// The colours of one wave for one target.
 template <class Real>
 struct OutputColors {
-    Vec4<Real> color;
-    Vec4<Real> second;  // of dual source blending
-    glm::vec4 constant{0.0f};
+    const Vec4<Real>& color;
+    const Vec4<Real>& second;  // of dual source blending
+    const glm::vec4& constant;
 };
 
 /// Writes the lanes in `mask` at sample s.

@@ -93,22 +93,21 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const std::int32_t x0 = primitive.x0;
     const std::int32_t y0 = primitive.y0;
 
-    // Where to evaluate.
-    EvaluationPoints<Real> points;
-    points.centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
-    if constexpr (kCentroid) {
-        points.centroid = points.centre;
-        if (job.system.samples > 1)
-            points.centroid =
-                evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.sample_mask, x0, y0));
-    }
+    // Where to evaluate: the centre, and what the modes of the varyings ask for besides.
+    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
-    Real w = points.centre.perspective.w;
-    if (kSample || per_sample) {
-        points.sample = evaluation_point(primitive, sample_offset<Real>(job.wave, at, x0, y0));
-        w = points.sample.perspective.w;
-    }
-    const auto varyings = interpolate_varyings<Varyings>(primitive, points);
+    const auto centroid_point = [&]() -> EvaluationPoint<Real> {
+        if (!kCentroid || job.system.samples == 1) return centre;
+        return evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.sample_mask, x0, y0));
+    };
+    const auto sample_point = [&]() -> EvaluationPoint<Real> {
+        if (!kSample && !per_sample) return centre;
+        return evaluation_point(primitive, sample_offset<Real>(job.wave, at, x0, y0));
+    };
+    const EvaluationPoint<Real> centroid = centroid_point();
+    const EvaluationPoint<Real> sample = sample_point();
+    const auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
+    const Real& w = sample.perspective.w;  // the centre's where it runs for the whole pixel
     const Vec4<Real> position{Real(job.wave.x) + Real(static_cast<float>(at.x) / kSampleGrid),
                               Real(job.wave.y) + Real(static_cast<float>(at.y) / kSampleGrid), job.depth, w};
 

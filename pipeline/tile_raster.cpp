@@ -46,12 +46,12 @@ public:
         : state_(state),
           tile_{tile_x, tile_y, tile_x + kTileSize, tile_y + kTileSize},
           tally_(tally),
-          samples_(kMulti ? state.pattern.count : 1) {
+          samples_(state.pattern.count) {
         for (const ColorTarget& target : state.color) color_[colors_++] = target;
         if (state.depth_texture == nullptr) return;
         const PixelRect limit = intersect(tile_, {0, 0, state.width, state.height});
         depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
-        hierarchy_.emplace(*depth_, tile_x, tile_y, limit, samples_);
+        hierarchy_.emplace(*depth_, tile_x, tile_y, limit, sample_count());
         uses_hierarchy_ = hierarchy_->usable() && !(state.program->pixel.writes_depth && state.order != DepthOrder::Early);
     }
 
@@ -69,6 +69,9 @@ public:
     }
 
 private:
+    /// Per pixel; known to the compiler where it is one.
+    [[nodiscard]] int sample_count() const { return kMulti ? samples_ : 1; }
+
     void set_layer(int layer) {
         layer_ = layer;
         for (std::size_t i = 0; i < colors_; ++i)
@@ -79,6 +82,10 @@ private:
     }
 
     void draw_triangle() {
+        if (is_small() && has_short_edges(primitive_->edges)) {
+            draw_small_triangle();
+            return;
+        }
         const TileEdges edges(primitive_->edges, state_.pattern, tile_.x0, tile_.y0);
         if (edges.outside) return;
         if (tally_ != nullptr) ++tally_->counters.tiles;
@@ -93,6 +100,43 @@ private:
                 draw_block(edges, block, steps, area, x, y);
             }
         }
+    }
+
+    /// Few pixels: the cost of a look at blocks is more than they are worth.
+    [[nodiscard]] bool is_small() const {
+        const PixelRect& bounds = primitive_->bounds;
+        return bounds.x1 - bounds.x0 <= kBlockSize && bounds.y1 - bounds.y0 <= kBlockSize;
+    }
+
+    void draw_small_triangle() {
+        if (tally_ != nullptr) ++tally_->counters.tiles;
+        const PixelRect area = intersect(primitive_->bounds, tile_);
+        const int first_x = area.x0 & ~1;
+        const int first_y = area.y0 & ~1;
+        const TileEdges edges = TileEdges::around(primitive_->edges, state_.pattern, first_x, first_y);
+        const LaneSteps steps(edges);
+        for (int y = first_y; y < area.y1; y += kWaveHeight) {
+            for (int x = first_x; x < area.x1; x += kWaveWidth) {
+                SampleMasks samples;
+                const std::uint32_t inside = lanes_inside(area, x, y);
+                std::uint32_t covered =
+                    cover(edges, edge_values(edges, edges.value, steps, x - first_x, y - first_y), inside, samples);
+                if (covered == 0) continue;
+                if (state_.output.sample_mask != ~0u) covered = mask_samples(samples);
+                pack_row(x, y, covered, samples);
+            }
+        }
+    }
+
+    /// Masks of the samples inside all edges, of the lanes in `inside`; returns the lanes with any.
+    std::uint32_t cover(const TileEdges& edges, const std::array<Int, 3>& values, std::uint32_t inside,
+                        SampleMasks& samples) const {
+        std::uint32_t covered = samples[0] = coverage(values) & inside;
+        if constexpr (kMulti) {
+            for (std::size_t s = 1; s < static_cast<std::size_t>(sample_count()); ++s)
+                covered |= samples[s] = coverage(values, edges, s) & inside;
+        }
+        return covered;
     }
 
     void draw_line() {
@@ -126,7 +170,7 @@ private:
                                   nearest(y, extent.y0, extent.y1, primitive_->z_dy)) +
                          primitive_->z_bias;
         const bool rejected = hierarchy_->rejects((x - tile_.x0) / kBlockSize, (y - tile_.y0) / kBlockSize,
-                                                  depth_code_scalar(z, range_, depth_->type()));
+                                                  depth_code_scalar(z, range_, depth_->type()), !is_small());
         if (rejected && tally_ != nullptr) ++tally_->counters.blocks_rejected;
         return rejected;
     }
@@ -134,27 +178,20 @@ private:
     void draw_block(const TileEdges& edges, const BlockEdges& block, const LaneSteps& steps, const PixelRect& area, int x,
                     int y) {
         const bool whole = x >= area.x0 && y >= area.y0 && x + kBlockSize <= area.x1 && y + kBlockSize <= area.y1;
-        for (int dy = 0; dy < kBlockSize; dy += kWaveHeight) {
-            for (int dx = 0; dx < kBlockSize; dx += kWaveWidth) {
+        // Rows and columns of waves that the area touches.
+        const int first_y = std::max(0, area.y0 - y) & ~(kWaveHeight - 1);
+        const int first_x = std::max(0, area.x0 - x) & ~(kWaveWidth - 1);
+        for (int dy = first_y; dy < std::min(kBlockSize, area.y1 - y); dy += kWaveHeight) {
+            for (int dx = first_x; dx < std::min(kBlockSize, area.x1 - x); dx += kWaveWidth) {
                 SampleMasks samples;
-                std::uint32_t covered = kAllLanes;
+                const std::uint32_t inside = whole ? kAllLanes : lanes_inside(area, x + dx, y + dy);
+                std::uint32_t covered = inside;
                 if (block.inside) {
-                    samples.fill(kAllLanes);
+                    samples.fill(inside);
                 } else {
-                    const auto values = edge_values(edges, block, steps, dx, dy);
-                    covered = samples[0] = coverage(values);
-                    if constexpr (kMulti) {
-                        for (std::size_t s = 1; s < static_cast<std::size_t>(samples_); ++s)
-                            covered |= samples[s] = coverage(values, edges, s);
-                    }
-                    if (covered == 0) continue;
+                    covered = cover(edges, edge_values(edges, block.value, steps, dx, dy), inside, samples);
                 }
-                if (!whole) {
-                    const std::uint32_t inside = lanes_inside(area, x + dx, y + dy);
-                    covered &= inside;
-                    for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) samples[s] &= inside;
-                    if (covered == 0) continue;
-                }
+                if (covered == 0) continue;
                 add(x + dx, y + dy, covered, samples);
             }
         }
@@ -166,10 +203,13 @@ private:
         if (covered == 0) return;
         if (quad_any(covered) == kAllLanes) {
             Wave wave = row_wave(x, y, covered);
-            if constexpr (kMulti) std::copy_n(samples.begin(), samples_, wave.samples.begin());
+            if constexpr (kMulti) std::copy_n(samples.begin(), sample_count(), wave.samples.begin());
             shade(wave);
             return;
         }
+        pack_row(x, y, covered, samples);
+    }
+    void pack_row(int x, int y, std::uint32_t covered, const SampleMasks& samples) {
         for (int q = 0; q < kQuadsPerWave; ++q) {
             const std::uint32_t mask = covered >> (4 * q) & 0xfu;
             if (mask != 0) pack(x + 2 * q, y, mask, samples, q);
@@ -181,7 +221,7 @@ private:
     }
     void pack(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
         if constexpr (kMulti) {
-            packer_.add(x, y, mask, std::span(samples).first(static_cast<std::size_t>(samples_)), from);
+            packer_.add(x, y, mask, std::span(samples).first(static_cast<std::size_t>(sample_count())), from);
         } else {
             packer_.add(x, y, mask);
         }
@@ -190,7 +230,7 @@ private:
     /// Takes off the samples that the sample mask lacks; returns the lanes that are left. D3D11.3 17.17
     std::uint32_t mask_samples(SampleMasks& samples) const {
         std::uint32_t any = 0;
-        for (int s = 0; s < samples_; ++s) {
+        for (int s = 0; s < sample_count(); ++s) {
             const auto i = static_cast<std::size_t>(s);
             if ((state_.output.sample_mask >> s & 1u) == 0) samples[i] = 0;
             any |= samples[i];
@@ -213,22 +253,24 @@ private:
     void shade(const Wave& wave) {
         SampleMasks live;
         if constexpr (kMulti) {
-            std::copy_n(wave.samples.begin(), samples_, live.begin());
+            std::copy_n(wave.samples.begin(), sample_count(), live.begin());
         } else {
             live[0] = wave.covered;
         }
         if (tally_ != nullptr) {
             tally_->counters.quads_covered += static_cast<std::uint64_t>(wave.quads);
-            for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+            for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
                 tally_->counters.samples_covered += count(live[s]);
         }
 
+        const Real at_centre = centre_depth(wave);
         std::uint32_t any = wave.covered;
         if (depth_ && state_.order != DepthOrder::Late) {
             any = 0;
-            for (int s = 0; s < samples_; ++s) {
+            for (int s = 0; s < sample_count(); ++s) {
                 auto& mask = live[static_cast<std::size_t>(s)];
-                if (mask != 0) mask = test(wave, mask, depth_of(wave, s), s, state_.order == DepthOrder::Early);
+                if (mask != 0)
+                    mask = test(wave, mask, kMulti ? depth_of(wave, s) : at_centre, s, state_.order == DepthOrder::Early);
                 any |= mask;
             }
             if (tally_ != nullptr)
@@ -240,19 +282,19 @@ private:
             if (depth_ && state_.order != DepthOrder::Early) finish_depth(wave, live, nullptr);
             count_passed(live);
         } else if (state_.program->pixel.per_sample) {
-            for (int s = 0; s < samples_; ++s)
+            for (int s = 0; s < sample_count(); ++s)
                 if (live[static_cast<std::size_t>(s)] != 0) run_functor(functor, wave, live, s, depth_of(wave, s));
         } else {
-            run_functor(functor, wave, live, -1, centre_depth(wave));
+            run_functor(functor, wave, live, -1, at_centre);
         }
     }
 
     /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
     void run_functor(ShadeWave<Real> functor, const Wave& wave, SampleMasks live, int sample, const Real& depth) {
         const int first = sample < 0 ? 0 : sample;
-        const int end = sample < 0 ? samples_ : sample + 1;
+        const int end = sample < 0 ? sample_count() : sample + 1;
         std::uint32_t counting = 0;
-        for (int s = 0; s < samples_; ++s) {
+        for (int s = 0; s < sample_count(); ++s) {
             auto& mask = live[static_cast<std::size_t>(s)];
             if (s < first || s >= end) mask = 0;
             counting |= mask;
@@ -267,12 +309,12 @@ private:
                                             .viewport = primitive_->viewport,
                                             .front = primitive_->front,
                                             .sample = sample,
-                                            .samples = samples_},
+                                            .samples = sample_count()},
                                  .depth = depth,
                                  .counting = counting,
                                  .environment = state_.environment,
                                  .tally = tally_};
-        PixelResult<Real> result;
+        PixelResult<Real>& result = result_;
         functor(state_.pixel_functor, job, result);
         if (tally_ != nullptr) count_shaded(counting, result);
 
@@ -282,9 +324,9 @@ private:
         if (traits.writes_coverage) {
             coverage = result.coverage;
         } else if (masked) {
-            coverage = alpha_coverage(result.colors[0].w, samples_, state_.environment.profile->alpha_to_coverage);
+            coverage = alpha_coverage(result.colors[0].w, sample_count(), state_.environment.profile->alpha_to_coverage);
         }
-        for (int s = first; s < end; ++s) {
+        for (int s = 0; s < sample_count(); ++s) {
             auto& mask = live[static_cast<std::size_t>(s)];
             mask &= ~result.killed;
             if (masked) mask &= lanes_with_bit(coverage, s);
@@ -292,13 +334,13 @@ private:
         if (depth_ && state_.order != DepthOrder::Early)
             finish_depth(wave, live, traits.writes_depth ? &result.depth : nullptr);
         count_passed(live);
-        write_colors(wave, live, first, end, result);
+        write_colors(wave, live, result);
         if (state_.derivative_report != nullptr) report_derivatives(wave, live, result.causes);
     }
 
     /// The tests that were put off, and their writes.
     void finish_depth(const Wave& wave, SampleMasks& live, const Real* depth) {
-        for (int s = 0; s < samples_; ++s) {
+        for (int s = 0; s < sample_count(); ++s) {
             auto& mask = live[static_cast<std::size_t>(s)];
             if (mask != 0) mask = test(wave, mask, depth != nullptr ? *depth : depth_of(wave, s), s, true);
         }
@@ -324,7 +366,7 @@ private:
             if (stores) {
                 depth_->write(wave, code, stored, passed, s);
                 for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
-                    hierarchy_->forget(wave.quad_x[q], wave.quad_y[q]);
+                    hierarchy_->note_write(wave.quad_x[q], wave.quad_y[q]);
             }
             if (tally_ != nullptr) {
                 const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
@@ -346,12 +388,12 @@ private:
         if (tally_ != nullptr && op != StencilOp::Keep) tally_->write(state_.depth_view.texture, count(mask));
     }
 
-    void write_colors(const Wave& wave, const SampleMasks& live, int first, int end, const PixelResult<Real>& result) {
+    void write_colors(const Wave& wave, const SampleMasks& live, const PixelResult<Real>& result) {
         for (std::size_t i = 0; i < colors_; ++i) {
             const ColorTarget& target = color_[i];
             if (target.texture == nullptr || target.state.write_mask == 0) continue;
             const OutputColors<Real> colors{result.colors[i], result.colors[1], state_.output.blend_constant};
-            for (int s = first; s < end; ++s) {
+            for (int s = 0; s < sample_count(); ++s) {
                 const std::uint32_t mask = live[static_cast<std::size_t>(s)];
                 if (mask == 0) continue;
                 write_color(target, wave, mask, s, colors, *state_.environment.profile);
@@ -362,7 +404,7 @@ private:
 
     void report_derivatives(const Wave& wave, const SampleMasks& live, const DerivativeCauses& causes) {
         std::uint32_t any = 0;
-        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) any |= live[s];
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s) any |= live[s];
         for (std::uint32_t rest = any; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
             const std::uint32_t bit = 1u << lane;
@@ -376,7 +418,8 @@ private:
 
     void count_passed(const SampleMasks& live) {
         if (tally_ == nullptr) return;
-        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) tally_->counters.samples_passed += count(live[s]);
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
+            tally_->counters.samples_passed += count(live[s]);
     }
     void count_shaded(std::uint32_t counting, const PixelResult<Real>& result) {
         Counters& c = tally_->counters;
@@ -410,6 +453,7 @@ private:
     std::optional<DepthTarget> depth_;
     std::optional<HierarchicalDepth> hierarchy_;
     QuadPacker packer_;
+    PixelResult<Real> result_;  // of the run at hand; kept, as clearing it costs more than many functors
 };
 
 }  // namespace

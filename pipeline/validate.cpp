@@ -229,8 +229,6 @@ private:
         if (first < 0 || last >= static_cast<std::int64_t>(available))
             refuse("vertex {} used, but the buffer holds {} of {} floats", first < 0 ? first : last, available,
                    program_->vertex_floats);
-        context_.lowest = static_cast<std::uint32_t>(lowest);
-        context_.highest = static_cast<std::uint32_t>(highest);
         return true;
     }
 

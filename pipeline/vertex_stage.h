@@ -73,7 +73,7 @@ struct VertexFetch {
     std::span<const float> vertices;         // interleaved
     std::span<const float> instances;        // interleaved
     const VertexNumbers* corners = nullptr;  // not null: every corner is shaded for itself
-    std::uint32_t first = 0;                 // else numbers first, first + 1, ... are
+    std::uint32_t first = 0;                 // corners, or else numbers, first, first + 1, ...
     std::int32_t base_vertex = 0;            // added to numbers
     std::uint32_t vertex_id_base = 0;        // taken off numbers
     std::uint32_t count = 0;                 // vertices of one instance
@@ -125,7 +125,7 @@ void shade_vertices(const VertexFunctor& functor, const VertexFetch& fetch, Work
             const std::uint32_t position = std::min(begin + i, total - 1);
             const std::uint32_t instance = fetch.instance_count == 1 ? 0 : position / fetch.count;
             const std::uint32_t v = position - instance * fetch.count;
-            const std::uint32_t number = fetch.corners != nullptr ? (*fetch.corners)[v] : fetch.first + v;
+            const std::uint32_t number = fetch.corners != nullptr ? (*fetch.corners)[fetch.first + v] : fetch.first + v;
             // The number that restarts names no vertex; whatever it becomes is not used.
             const std::int64_t vertex = std::clamp(std::int64_t{number} + fetch.base_vertex, std::int64_t{0}, last_vertex);
             const float* source = fetch.vertices.data() + static_cast<std::size_t>(vertex) * kInputs;

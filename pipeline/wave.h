@@ -33,10 +33,11 @@ struct Wave {
 /// Collects the quads of one primitive until a wave is full.
 class QuadPacker {
 public:
-    [[nodiscard]] bool full() const { return wave_.quads == kQuadsPerWave; }
-    [[nodiscard]] bool empty() const { return wave_.quads == 0; }
+    [[nodiscard]] bool full() const { return !taken_ && wave_.quads == kQuadsPerWave; }
+    [[nodiscard]] bool empty() const { return taken_ || wave_.quads == 0; }
 
     void add(int x, int y, std::uint32_t mask4) {
+        if (taken_) begin();
         const auto q = static_cast<std::size_t>(wave_.quads++);
         wave_.quad_x[q] = x;
         wave_.quad_y[q] = y;
@@ -44,6 +45,7 @@ public:
     }
     /// Quad number `from` of a row whose samples cover `samples`.
     void add(int x, int y, std::uint32_t mask4, std::span<const std::uint32_t> samples, int from) {
+        if (taken_) begin();
         const int q = wave_.quads;
         for (std::size_t s = 0; s < samples.size(); ++s) {
             if (q == 0) wave_.samples[s] = 0;
@@ -52,8 +54,8 @@ public:
         add(x, y, mask4);
     }
 
-    /// The wave so far; the packer is empty afterwards.
-    Wave take() {
+    /// The wave so far, good until the next quad is added; the packer is empty afterwards.
+    const Wave& take() {
         alignas(64) std::array<std::int32_t, kLanes> x;
         alignas(64) std::array<std::int32_t, kLanes> y;
         for (std::size_t q = 0; q < kQuadsPerWave; ++q) {
@@ -63,16 +65,21 @@ public:
                 y[4 * q + i] = wave_.quad_y[from];
             }
         }
-        Wave out = wave_;
-        out.x = Int::load(x.data()) + (lane_index() & Int(1));
-        out.y = Int::load(y.data()) + lane_dy();
-        wave_.quads = 0;
-        wave_.covered = 0;
-        return out;
+        wave_.x = Int::load(x.data()) + (lane_index() & Int(1));
+        wave_.y = Int::load(y.data()) + lane_dy();
+        taken_ = true;
+        return wave_;
     }
 
 private:
+    void begin() {
+        wave_.quads = 0;
+        wave_.covered = 0;
+        taken_ = false;
+    }
+
     Wave wave_;
+    bool taken_ = false;
 };
 
 /// A full row of quads starting at (x, y).
@@ -88,6 +95,33 @@ inline Wave row_wave(int x, int y, std::uint32_t covered) {
         wave.quad_y[static_cast<std::size_t>(q)] = y;
     }
     return wave;
+}
+
+/// The 32-bit texels of a row of quads in lane order from the two rows of memory they stand in, and back.
+inline Int load_quad_row(const std::byte* upper, const std::byte* lower) {
+    const hn::Half<detail::IntTag> half;
+    const auto load = [&](const std::byte* row) { return hn::LoadU(half, reinterpret_cast<const std::int32_t*>(row)); };
+    alignas(64) static constexpr auto kFrom = [] {
+        std::array<std::int32_t, kLanes> from{};
+        for (int i = 0; i < kLanes; ++i) from[static_cast<std::size_t>(i)] = i / 4 * 2 + i % 2 + (i % 4 < 2 ? 0 : kLanes / 2);
+        return from;
+    }();
+    return Int(hn::TableLookupLanes(hn::Combine(detail::IntTag{}, load(lower), load(upper)),
+                                    hn::SetTableIndices(detail::IntTag{}, kFrom.data())));
+}
+inline void store_quad_row(Int lanes, std::byte* upper, std::byte* lower) {
+    const hn::Half<detail::IntTag> half;
+    alignas(64) static constexpr auto kFrom = [] {
+        std::array<std::int32_t, kLanes> from{};
+        for (int i = 0; i < kLanes / 2; ++i) {
+            from[static_cast<std::size_t>(i)] = i / 2 * 4 + i % 2;
+            from[static_cast<std::size_t>(i + kLanes / 2)] = i / 2 * 4 + i % 2 + 2;
+        }
+        return from;
+    }();
+    const auto rows = hn::TableLookupLanes(lanes.v, hn::SetTableIndices(detail::IntTag{}, kFrom.data()));
+    hn::StoreU(hn::LowerHalf(half, rows), half, reinterpret_cast<std::int32_t*>(upper));
+    hn::StoreU(hn::UpperHalf(half, rows), half, reinterpret_cast<std::int32_t*>(lower));
 }
 
 }  // namespace gnomon
