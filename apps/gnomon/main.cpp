@@ -43,11 +43,13 @@ int run(int argc, char** argv) {
     gnomon::cli::add_convert(app);
     gnomon::cli::add_coverage(app);
     gnomon::cli::add_chart(app);
+    gnomon::cli::add_pipeline_chart(app);
     try {
         const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
         if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), is_named))
             return complain(fmt::format(
-                "'{}' is not a command; expected list, render, export, contact-sheet, sample, convert, coverage or chart",
+                "'{}' is not a command; expected list, render, export, contact-sheet, sample, convert, coverage, chart or "
+                "pipeline-chart",
                 argv[1]));
         app.parse(argc, argv);
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("the output cannot be written to stdout");
