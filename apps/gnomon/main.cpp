@@ -34,7 +34,8 @@ int run(int argc, char** argv) {
         "  gnomon list\n"
         "  gnomon render --scene car --technique all --out out/car\n"
         "  gnomon contact-sheet out\n"
-        "  echo '0.3 0.6' | gnomon sample --checker 8x8 --footprint");
+        "  echo '0.3 0.6' | gnomon sample --checker 8x8 --footprint\n"
+        "  echo '1 1 9 1 1 9' | gnomon coverage --size 16x16 --samples 4");
     gnomon::cli::add_list(app);
     gnomon::cli::add_render(app);
     gnomon::cli::add_export(app);
