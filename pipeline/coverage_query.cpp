@@ -33,8 +33,8 @@ void visit_tile(const Primitive<float>& triangle, const SamplePattern& pattern, 
 
 }  // namespace
 
-std::vector<CoveredPixel> covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target,
-                                         const Profile& profile) {
+void visit_covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target, const Profile& profile,
+                          const std::function<void(std::span<const CoveredPixel>)>& visit) {
     if (target.samples > profile.max_samples)
         fail("{} samples: profile {} has at most {}", target.samples, profile.name, profile.max_samples);
     const SamplePattern pattern = sample_pattern(profile, target.samples);
@@ -55,11 +55,12 @@ std::vector<CoveredPixel> covered_pixels(const std::array<glm::vec2, 3>& corners
             .x = at.x, .y = at.y, .at = snap_position(at.x, at.y, profile), .z = 0.0f, .inv_w = 1.0f, .valid = true};
     }
 
-    std::vector<CoveredPixel> covered;
     Primitive<float> triangle;
-    if (!set_up_triangle(vertices, PrimitiveHead<float>{}, state, triangle)) return covered;
+    if (!set_up_triangle(vertices, PrimitiveHead<float>{}, state, triangle)) return;
     const PixelRect& bounds = triangle.bounds;
+    std::vector<CoveredPixel> covered;
     for (int tile_y = bounds.y0 / kTileSize * kTileSize; tile_y < bounds.y1; tile_y += kTileSize) {
+        covered.clear();
         for (int tile_x = bounds.x0 / kTileSize * kTileSize; tile_x < bounds.x1; tile_x += kTileSize) {
             visit_tile(triangle, pattern, tile_x, tile_y, [&](int x, int y, const auto& masks) {
                 for (int i = 0; i < kLanes; ++i) {
@@ -69,8 +70,17 @@ std::vector<CoveredPixel> covered_pixels(const std::array<glm::vec2, 3>& corners
                 }
             });
         }
+        std::ranges::sort(covered, {}, [](const CoveredPixel& pixel) { return std::pair(pixel.y, pixel.x); });
+        if (!covered.empty()) visit(covered);
     }
-    std::ranges::sort(covered, {}, [](const CoveredPixel& pixel) { return std::pair(pixel.y, pixel.x); });
+}
+
+std::vector<CoveredPixel> covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target,
+                                         const Profile& profile) {
+    std::vector<CoveredPixel> covered;
+    visit_covered_pixels(corners, target, profile, [&](std::span<const CoveredPixel> pixels) {
+        covered.insert(covered.end(), pixels.begin(), pixels.end());
+    });
     return covered;
 }
 

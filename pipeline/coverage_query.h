@@ -7,6 +7,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 namespace gnomon {
@@ -28,8 +30,13 @@ struct CoveredPixel {
 
 inline constexpr float kMaxPosition = 32767.0f;  // either way: the range of 16.8 positions. D3D11.3 15.16
 
-/// Snaps the corners (pixels, y down, of any winding) to the profile's grid and returns what they cover, row by row. Throws
-/// Error for positions outside +-kMaxPosition, for NaN, and for targets that the profile does not have.
+/// Calls visit(pixels) with what a triangle covers, in pieces of whole rows, top first and each row from the left; memory is
+/// that of a row of tiles, however large the triangle. The corners (pixels, y down, of any winding) are snapped to the
+/// profile's grid. Throws Error for positions outside +-kMaxPosition, for NaN, and for targets that the profile does not have.
+void visit_covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target, const Profile& profile,
+                          const std::function<void(std::span<const CoveredPixel>)>& visit);
+
+/// The same at once.
 std::vector<CoveredPixel> covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target,
                                          const Profile& profile);
 

@@ -8,6 +8,7 @@
 #include "texunit/store.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace gnomon {
 
@@ -72,8 +73,10 @@ TextureId Device::create_texture(std::string_view label, const TextureDesc& desc
 
 std::vector<ResourceTraffic> Device::traffic(const Tally& tally) const {
     std::vector<ResourceTraffic> list;
+    std::unordered_map<std::string, int> seen;
     const auto add = [&](const std::string& label, const Bytes& bytes) {
-        if (bytes != Bytes{}) list.push_back({label, bytes});
+        const int copy = ++seen[label];
+        if (bytes != Bytes{}) list.push_back({copy == 1 ? label : fmt::format("{} {}", label, copy), bytes});
     };
     for (std::size_t i = 1; i <= resources_.textures(); ++i) {
         const auto id = static_cast<TextureId>(i);

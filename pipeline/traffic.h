@@ -60,8 +60,10 @@ private:
 
 /// The bytes of one resource, for reports.
 struct ResourceTraffic {
-    std::string label;
+    std::string label;  // as it was created; the second of the same label is "label 2"
     Bytes bytes;
+
+    bool operator==(const ResourceTraffic&) const = default;
 };
 
 }  // namespace gnomon

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 
 namespace gnomon::studies {
 
@@ -36,7 +37,7 @@ std::vector<PassResult> make_passes(const techniques::PassTimer& timed, const te
         const auto earlier = std::count_if(timed.records().begin(), timed.records().begin() + static_cast<std::ptrdiff_t>(i),
                                            [&](const techniques::PassRecord& other) { return other.name == record.name; });
         const std::string name = earlier == 0 ? record.name : fmt::format("{} {}", record.name, earlier + 1);
-        passes.push_back({name, record.milliseconds, counted.records()[i].counters});
+        passes.push_back({name, record.milliseconds, counted.records()[i].counters, counted.records()[i].traffic});
     }
     return passes;
 }
@@ -98,6 +99,7 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
     showing = false;
     techniques::PassTimer timed(device);
     frame.render(timed);
+    if (request_.derivatives) frame.render_derivatives();
 
     RenderResult result{.request = request_,
                         .settings = plan.settings,
@@ -106,6 +108,7 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                         .host = make_host(device),
                         .color = color_image(device.texture(frame.color())),
                         .visibility = float_image(device.texture(frame.visibility())),
+                        .derivatives = {},
                         .metrics = {},
                         .passes = make_passes(timed, counted),
                         .hashes = {.visibility = hash_of(device.texture(frame.visibility())),
@@ -113,6 +116,11 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                                    .color = hash_of(device.texture(frame.color())),
                                    .map = hash_of(device.texture(frame.map()))}};
     result.request.technique = plan.technique.name;
+    if (request_.derivatives) {
+        const auto bytes = device.texture(frame.derivatives()).level_bytes(0);
+        result.derivatives.resize(bytes.size() / sizeof(std::uint32_t));
+        std::memcpy(result.derivatives.data(), bytes.data(), bytes.size());
+    }
     for (const PassResult& pass : result.passes) result.frame_ms += pass.milliseconds;
 
     if (const scenes::ReferenceImage* reference = truth(progress)) {

@@ -43,8 +43,9 @@ struct RenderRequest {
     int height = 768;
     std::string profile = "d3d11";  // a preset by name, or a JSON file
     Truth truth = Truth::Center;
-    std::uint64_t seed = 1;  // of the rays in Truth::Area
-    int threads = 0;         // 0: all processors; changes no result
+    std::uint64_t seed = 1;    // of the rays in Truth::Area
+    int threads = 0;           // 0: all processors; changes no result
+    bool derivatives = false;  // whether to render the picture of derivatives too; changes no other result
 };
 
 /// One technique with all its choices made.
@@ -57,6 +58,7 @@ struct PassResult {
     std::string name;  // each name once
     double milliseconds = 0;
     Counters counters;
+    std::vector<ResourceTraffic> traffic;  // in the order of creation, textures first; only what the pass touched
 };
 
 /// xxh3-128 of the raw bytes of level 0, as 32 hexadecimal digits.
@@ -88,7 +90,8 @@ struct RenderResult {
     SceneSize scene;
     Host host;
     ByteImage color;
-    FloatImage visibility;  // techniques::Frame::kNoSurface where nothing was drawn
+    FloatImage visibility;                   // techniques::Frame::kNoSurface where nothing was drawn
+    std::vector<std::uint32_t> derivatives;  // DerivativeCause bits per pixel, row by row; empty unless asked for
     std::optional<Metrics> metrics;
     std::vector<PassResult> passes;
     double frame_ms = 0;  // sum over the passes

@@ -1,6 +1,8 @@
 #include "studies/false_color.h"
 
+#include "sim/error.h"
 #include "studies/metrics.h"
+#include "techniques/frame.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +19,18 @@ Rgb error_color(float error) {
         color[i] = static_cast<std::uint8_t>(from + (static_cast<float>(end[i]) - from) * amount + 0.5f);
     }
     return color;
+}
+
+ByteImage derivative_image(std::span<const std::uint32_t> causes, const FloatImage& visibility) {
+    GNOMON_CHECK_EQ(causes.size(), visibility.values.size());
+    ByteImage image{.width = visibility.width, .height = visibility.height, .channels = 3, .values = {}};
+    image.values.reserve(3 * causes.size());
+    for (std::size_t i = 0; i < causes.size(); ++i) {
+        const bool drawn = visibility.values[i] != techniques::Frame::kNoSurface;
+        const Rgb& color = drawn ? kDerivativeColors[causes[i] & 7u] : kNotJudged;
+        image.values.insert(image.values.end(), color.begin(), color.end());
+    }
+    return image;
 }
 
 ByteImage difference_image(const FloatImage& visibility, const scenes::ReferenceImage& truth) {

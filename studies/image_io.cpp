@@ -16,8 +16,9 @@ std::string first_line(std::string message) {
     return message.empty() ? "the file cannot be written" : message;
 }
 
-void write(const std::filesystem::path& path, const OIIO::ImageSpec& spec, const void* pixels) {
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path.string());
+/// `format` by name: files are written beside their place, under names that end in anything.
+void write(const std::filesystem::path& path, const char* format, const OIIO::ImageSpec& spec, const void* pixels) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(format);
     if (!output) fail("{}: {}", path.string(), first_line(OIIO::geterror()));
     if (!output->open(path.string(), spec) || !output->write_image(spec.format, pixels) || !output->close())
         fail("{}: {}", path.string(), first_line(output->geterror()));
@@ -28,7 +29,7 @@ void write(const std::filesystem::path& path, const OIIO::ImageSpec& spec, const
 void write_png(const std::filesystem::path& path, const ByteImage& image) {
     OIIO::ImageSpec spec(image.width, image.height, image.channels, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    write(path, spec, image.values.data());
+    write(path, "png", spec, image.values.data());
 }
 
 void write_exr(const std::filesystem::path& path, const FloatImage& y, std::span<const float> a) {
@@ -44,7 +45,7 @@ void write_exr(const std::filesystem::path& path, const FloatImage& y, std::span
     spec.alpha_channel = 1;
     spec.attribute("compression", "zip");
     spec.attribute("DateTime", "1970:01:01 00:00:00");  // OpenImageIO fills in the present time otherwise
-    write(path, spec, pixels.data());
+    write(path, "openexr", spec, pixels.data());
 }
 
 ColorImage read_image(const std::filesystem::path& path) {

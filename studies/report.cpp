@@ -52,6 +52,17 @@ Json counters_json(const RenderResult& result) {
     return json;
 }
 
+/// One entry per pass, in it one per resource that the pass touched, in bytes.
+Json traffic_json(const RenderResult& result) {
+    Json json;
+    for (const PassResult& pass : result.passes) {
+        json[pass.name] = Json::object();
+        for (const ResourceTraffic& resource : pass.traffic)
+            json[pass.name][resource.label] = {{"read", resource.bytes.read}, {"written", resource.bytes.written}};
+    }
+    return json;
+}
+
 /// One entry per pass, then their sum as "frame", and what the truth took.
 Json timings_json(const RenderResult& result) {
     Json json;
@@ -73,6 +84,7 @@ std::string report_json(const RenderResult& result) {
         {"triangles", result.scene.triangles}, {"meshes", result.scene.meshes}, {"instances", result.scene.instances}};
     json["metrics"] = result.metrics ? fields_json(*result.metrics) : Json();
     json["counters"] = counters_json(result);
+    json["traffic"] = traffic_json(result);
     json["timings_ms"] = timings_json(result);
     json["hashes"] = {{"visibility", result.hashes.visibility},
                       {"depth", result.hashes.depth},

@@ -11,13 +11,13 @@ namespace gnomon::studies {
 /// The version of this program.
 std::string version();
 
-/// report.json: configuration, metrics, counters, timings, hashes, host.
+/// report.json: configuration, metrics, counters, traffic, timings, hashes, host.
 std::string report_json(const RenderResult& result);
 
 /// The same as a block of text.
 std::string report_text(const RenderResult& result);
 
-/// Counters per pass as a table.
+/// Counters per pass, then bytes read and bytes written per resource and pass, as tables without rows of zeros.
 std::string counters_text(const RenderResult& result);
 
 /// One line per result under a heading: how techniques compare.

@@ -36,8 +36,8 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 }  // namespace
 
 const std::vector<std::string>& result_file_names() {
-    static const std::vector<std::string> names{"color.png",     "visibility.exr", "visibility.png", "reference.exr",
-                                                "reference.png", "difference.png", "report.json"};
+    static const std::vector<std::string> names{"color.png",     "visibility.exr", "visibility.png",  "reference.exr",
+                                                "reference.png", "difference.png", "derivatives.png", "report.json"};
     return names;
 }
 
@@ -52,6 +52,8 @@ void write_result(const OutputFolder& folder, const RenderResult& result, const 
         write_png(folder.file("reference.png"), grey_image(reference));
         write_png(folder.file("difference.png"), difference_image(result.visibility, *truth));
     }
+    if (!result.derivatives.empty())
+        write_png(folder.file("derivatives.png"), derivative_image(result.derivatives, result.visibility));
     write_text(folder.file("report.json"), report_json(result));
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
+#include <utility>
 
 namespace gnomon::studies {
 
@@ -34,6 +36,31 @@ std::string settings_text(const RenderResult& result) {
     return text;
 }
 
+/// A row per name, a column per pass; rows of zeros are left out, and with them a table without rows.
+void append_table(std::string& text, std::string_view title, const std::vector<PassResult>& passes,
+                  const std::vector<std::pair<std::string, std::vector<std::uint64_t>>>& rows) {
+    const auto is_shown = [](const auto& row) {
+        return std::ranges::any_of(row.second, [](auto value) { return value != 0; });
+    };
+    if (std::ranges::none_of(rows, is_shown)) return;
+    std::size_t first = title.size();
+    for (const auto& row : rows)
+        if (is_shown(row)) first = std::max(first, row.first.size());
+    const auto width = [](const PassResult& pass) { return std::max<std::size_t>(14, pass.name.size() + 2); };
+
+    auto out = std::back_inserter(text);
+    if (!text.empty()) text += '\n';
+    fmt::format_to(out, "{:<{}}", title, first);
+    for (const PassResult& pass : passes) fmt::format_to(out, "{:>{}}", pass.name, width(pass));
+    text += '\n';
+    for (const auto& [name, values] : rows) {
+        if (std::ranges::none_of(values, [](auto value) { return value != 0; })) continue;
+        fmt::format_to(out, "{:<{}}", name, first);
+        for (std::size_t i = 0; i < passes.size(); ++i) fmt::format_to(out, "{:>{}}", grouped(values[i]), width(passes[i]));
+        text += '\n';
+    }
+}
+
 }  // namespace
 
 std::string report_text(const RenderResult& result) {
@@ -63,24 +90,37 @@ std::string report_text(const RenderResult& result) {
 }
 
 std::string counters_text(const RenderResult& result) {
-    // A row per counter, a column per pass.
-    std::string text;
-    auto out = std::back_inserter(text);
-    const auto width = [](const PassResult& pass) { return std::max<std::size_t>(14, pass.name.size() + 2); };
-    fmt::format_to(out, "{:<22}", "counters");
-    for (const PassResult& pass : result.passes) fmt::format_to(out, "{:>{}}", pass.name, width(pass));
-    text += '\n';
+    std::vector<std::pair<std::string, std::vector<std::uint64_t>>> counters;
     std::apply(
         [&](const auto&... field) {
-            const auto row = [&](const auto& one) {
-                fmt::format_to(out, "{:<22}", one.name);
-                for (const PassResult& pass : result.passes)
-                    fmt::format_to(out, "{:>{}}", grouped(pass.counters.*one.member), width(pass));
-                text += '\n';
+            const auto add = [&](const auto& one) {
+                auto& values = counters.emplace_back(one.name, std::vector<std::uint64_t>{}).second;
+                for (const PassResult& pass : result.passes) values.push_back(pass.counters.*one.member);
             };
-            (row(field), ...);
+            (add(field), ...);
         },
         Counters::fields());
+
+    // Resources in the order in which passes first touch them.
+    std::vector<std::pair<std::string, std::vector<std::uint64_t>>> read;
+    std::vector<std::pair<std::string, std::vector<std::uint64_t>>> written;
+    for (std::size_t pass = 0; pass < result.passes.size(); ++pass) {
+        for (const ResourceTraffic& resource : result.passes[pass].traffic) {
+            auto at = std::ranges::find(read, resource.label, [](const auto& row) { return row.first; });
+            if (at == read.end()) {
+                const std::vector<std::uint64_t> zeros(result.passes.size());
+                written.emplace_back(resource.label, zeros);
+                at = read.insert(read.end(), {resource.label, zeros});
+            }
+            at->second[pass] = resource.bytes.read;
+            written[static_cast<std::size_t>(at - read.begin())].second[pass] = resource.bytes.written;
+        }
+    }
+
+    std::string text;
+    append_table(text, "counters", result.passes, counters);
+    append_table(text, "bytes read", result.passes, read);
+    append_table(text, "bytes written", result.passes, written);
     return text;
 }
 

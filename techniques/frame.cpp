@@ -54,10 +54,22 @@ Frame::Frame(Device& device, const scenes::Scene& scene, const FrameDesc& desc)
 
 void Frame::render(PassTimer& timer) {
     passes_->render_map(scene_, light_, timer);
-    timer.pass("camera", [&] { draw_receivers(); });
+    timer.pass("camera", [&] { draw_receivers(TextureId::None); });
 }
 
-void Frame::draw_receivers() {
+void Frame::render_derivatives() {
+    if (derivatives_ == TextureId::None) {
+        const Texture& color = device_.texture(color_);
+        derivatives_ = device_.create_texture("derivatives",
+                                              {.format = Format::R32Uint, .width = color.width(0), .height = color.height(0)});
+    }
+    PassTimer timer(device_);
+    passes_->render_map(scene_, light_, timer);
+    device_.execute(ClearColor{derivatives_, glm::vec4(0.0f)});
+    draw_receivers(derivatives_);
+}
+
+void Frame::draw_receivers(TextureId derivative_report) {
     device_.execute(ClearColor{color_, {0.35f, 0.42f, 0.5f, 1.0f}});
     device_.execute(ClearColor{visibility_, {kNoSurface, 0.0f, 0.0f, 0.0f}});
     device_.execute(ClearDepth{depth_, 1.0f});
@@ -76,7 +88,8 @@ void Frame::draw_receivers() {
                   .vertices = object.vertices,
                   .indices = object.indices,
                   .count = object.count,
-                  .depth = depth_};
+                  .depth = depth_,
+                  .derivative_report = derivative_report};
         draw.color[0] = color_;
         draw.color[1] = visibility_;
         device_.execute(draw);

@@ -23,6 +23,8 @@ public:
 
     /// Renders map and image anew.
     void render(PassTimer& timer);
+    /// The same, and fills derivatives().
+    void render_derivatives();
 
     [[nodiscard]] const scenes::View& camera() const { return camera_; }
     [[nodiscard]] const scenes::View& light() const { return light_; }
@@ -30,11 +32,14 @@ public:
     [[nodiscard]] TextureId visibility() const { return visibility_; }  // r32f, [0, 1]; kNoSurface where nothing was drawn
     [[nodiscard]] TextureId depth() const { return depth_; }            // d32f
     [[nodiscard]] TextureId map() const { return passes_->map(); }
+    /// r32ui, per pixel what the derivatives of the fragment in front were taken over (DerivativeCause); None before
+    /// render_derivatives().
+    [[nodiscard]] TextureId derivatives() const { return derivatives_; }
 
     static constexpr float kNoSurface = -1.0f;
 
 private:
-    void draw_receivers();
+    void draw_receivers(TextureId derivative_report);
 
     Device& device_;
     scenes::Light scene_light_;
@@ -45,6 +50,7 @@ private:
     TextureId color_ = TextureId::None;
     TextureId visibility_ = TextureId::None;
     TextureId depth_ = TextureId::None;
+    TextureId derivatives_ = TextureId::None;
 };
 
 }  // namespace gnomon::techniques

@@ -13,7 +13,8 @@ namespace gnomon::techniques {
 struct PassRecord {
     std::string name;
     double milliseconds = 0;
-    Counters counters;  // zero unless the device counts
+    Counters counters;                     // zero unless the device counts
+    std::vector<ResourceTraffic> traffic;  // bytes by resource; empty unless the device counts
 };
 
 class PassTimer {
@@ -26,7 +27,8 @@ public:
         const auto begin = std::chrono::steady_clock::now();
         body();
         const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
-        records_.push_back({std::move(name), elapsed.count(), device_.take_counters()});
+        const Tally tally = device_.take_tally();
+        records_.push_back({std::move(name), elapsed.count(), tally.counters, device_.traffic(tally)});
     }
 
     [[nodiscard]] const std::vector<PassRecord>& records() const { return records_; }

@@ -13,5 +13,6 @@ void add_sample(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_coverage(CLI::App& app);
 void add_chart(CLI::App& app);
+void add_pipeline_chart(CLI::App& app);
 
 }  // namespace gnomon::cli

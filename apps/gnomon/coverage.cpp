@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cstdio>
+#include <iterator>
 
 namespace gnomon::cli {
 
@@ -46,12 +47,20 @@ void coverage(const CoverageOptions& options) {
     // Every line first: bad input leaves nothing half written.
     std::vector<std::array<glm::vec2, 3>> triangles;
     for (const InputLine& line : read_lines()) triangles.push_back(triangle_of(line));
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        std::string out;
-        for (const CoveredPixel& pixel : covered_pixels(triangles[i], {width, height, samples}, profile))
-            out += fmt::format("{} {} {} {:x}\n", i, pixel.x, pixel.y, pixel.mask);
+    std::string out;
+    const auto flush_from = [&](std::size_t size) {
+        if (out.size() < size) return;
         fmt::print("{}", out);
+        out.clear();
+    };
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+        visit_covered_pixels(triangles[i], {width, height, samples}, profile, [&](std::span<const CoveredPixel> pixels) {
+            for (const CoveredPixel& pixel : pixels)
+                fmt::format_to(std::back_inserter(out), "{} {} {} {:x}\n", i, pixel.x, pixel.y, pixel.mask);
+            flush_from(1u << 20);
+        });
     }
+    flush_from(0);
 }
 
 }  // namespace

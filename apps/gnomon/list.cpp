@@ -63,8 +63,9 @@ void list_formats() {
     fmt::print("formats (--format; which ones a technique takes: gnomon list techniques)\n");
     fmt::print("  {:<14} {:>10} {:>14} {:>12} {:>15}\n", "", "components", "bits/component", "bytes/texel", "bytes as stored");
     for (const FormatInfo& format : kFormats)
-        fmt::print("  {:<14} {:>10} {:>14} {:>12} {:>15}\n", format.name, format.components, format.bits_per_component,
-                   format.components * format.bits_per_component / 8, format.bytes_per_texel);
+        fmt::print("  {:<14} {:>10} {:>14} {:>12} {:>15}{}\n", format.name, format.components, format.bits_per_component,
+                   format.components * format.bits_per_component / 8, format.bytes_per_texel,
+                   format.has_stencil ? "  and a byte of stencil" : "");
 }
 
 struct ListOptions {

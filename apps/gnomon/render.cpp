@@ -99,6 +99,7 @@ void render_all(studies::Experiment& experiment, const RenderOptions& options) {
         std::fflush(stdout);
         result->color = {};
         result->visibility = {};
+        result->derivatives = {};
         results.push_back(std::move(*result));
     }
     fmt::print("{}", studies::comparison_text(results));
@@ -200,7 +201,13 @@ void add_output_options(CLI::App& command, RenderOptions& options) {
         ->type_name("DIR")
         ->required()
         ->group(kGroup);
-    command.add_flag("--counters", options.counters, "Print what every pass counted (report.json always has it)")
+    command
+        .add_flag("--counters", options.counters,
+                  "Print what every pass counted, and the bytes it read and wrote by resource (report.json always has both)")
+        ->group(kGroup);
+    command
+        .add_flag("--derivatives", options.request.derivatives,
+                  "Write derivatives.png: which pixels took derivatives over helper, discarded or inactive lanes")
         ->group(kGroup);
     command.add_option("--log-commands", options.log_commands, "Write every device command of a frame as a line of JSON")
         ->type_name("FILE")
@@ -218,7 +225,8 @@ void add_render(CLI::App& app) {
     add_output_options(*command, *options);
     command->footer(
         "DIR gets color.png, visibility.exr and .png, reference.exr and .png, difference.png (white right, red too bright,\n"
-        "blue too dark) and report.json. With --technique all each technique has a folder of its own in DIR.\n\n"
+        "blue too dark) and report.json; with --derivatives also derivatives.png. With --technique all each technique has a "
+        "folder of its own in DIR.\n\n"
         "Examples:\n"
         "  gnomon render --scene car --technique vsm --map 512 --blur 5 --out out/car\n"
         "  gnomon render --scene bench --technique all --reference area --out out/bench\n"
