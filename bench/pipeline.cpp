@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <functional>
 #include <optional>
 
@@ -59,7 +60,15 @@ struct Contender {
     std::function<double()> time_once;
     peer::RawImage image;
     std::vector<double> times{};
+    std::vector<double> cpu_times{};
 };
+
+/// Processor time of all threads so far, ms: unlike the wall clock, what else runs on the machine hardly changes it.
+double cpu_ms() {
+    timespec now{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
+}
 
 /// An empty or foreign picture is no contender.
 void check_images(const std::vector<Contender>& contenders, const Case& of) {
@@ -97,17 +106,24 @@ void compare(const Case& of, std::vector<std::pair<std::string, peer::Peer>>& pe
         for (Contender& contender : contenders) {
             double turn = 0;
             do {
+                const double begin = cpu_ms();
                 const double ms = contender.time_once();
                 turn += ms;
-                if (round >= 0) contender.times.push_back(ms);
+                if (round < 0) continue;
+                contender.times.push_back(ms);
+                contender.cpu_times.push_back(cpu_ms() - begin);
             } while (turn < options.turn_ms);
         }
     }
 
     const double own = peer::summarize(contenders.front().times).median_ms;
+    const double own_least = peer::summarize(contenders.front().times).min_ms;
+    const double own_cpu = peer::summarize(contenders.front().cpu_times).median_ms;
     for (const Contender& contender : contenders) {
         const auto [median, least] = peer::summarize(contender.times);
-        fmt::print("{:<26} {:<28} {:9.3f} {:9.3f} {:8.2f}\n", of.name, contender.name, median, least, own / median);
+        const double cpu = peer::summarize(contender.cpu_times).median_ms;
+        fmt::print("{:<26} {:<28} {:9.3f} {:8.2f} {:9.3f} {:8.2f} {:9.3f} {:8.2f}\n", of.name, contender.name, median,
+                   own / median, least, own_least / least, cpu, own_cpu / cpu);
     }
     std::fflush(stdout);
 }
@@ -147,7 +163,8 @@ int run(int argc, char** argv) {
 
     fmt::print("{} ({} triangles), {}x{} pixels, {} threads, Gnomon with {} lanes, profile {}\n\n", options.scene,
                scene.triangle_count(), options.width, options.height, options.threads, kLanes, options.profile);
-    fmt::print("{:<26} {:<28} {:>9} {:>9} {:>8}\n", "pass", "machine", "median", "least", "Gnomon/");
+    fmt::print("{:<26} {:<28} {:>9} {:>8} {:>9} {:>8} {:>9} {:>8}\n", "pass", "machine", "median", "Gnomon/", "least",
+               "Gnomon/", "cpu", "Gnomon/");
     for (const Case& of : make_cases(scene, options))
         if (of.name.find(options.only) != std::string::npos) compare(of, peers, options);
     fmt::print(
