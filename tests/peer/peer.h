@@ -75,6 +75,7 @@ public:
 
 private:
     friend class FrameRenderer;
+    friend class RawPassRenderer;
     std::unique_ptr<Device> device_;
 };
 

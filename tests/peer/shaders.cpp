@@ -13,6 +13,10 @@ namespace {
 #include "peer_shaders/caster_depth_vert.h"
 #include "peer_shaders/caster_moments_frag.h"
 #include "peer_shaders/caster_moments_vert.h"
+#include "peer_shaders/raw_textured_0_frag.h"
+#include "peer_shaders/raw_textured_1_frag.h"
+#include "peer_shaders/raw_uv_0_vert.h"
+#include "peer_shaders/raw_uv_1_vert.h"
 #include "peer_shaders/receiver_depth_0_frag.h"
 #include "peer_shaders/receiver_depth_1_frag.h"
 #include "peer_shaders/receiver_depth_3_frag.h"
@@ -57,6 +61,15 @@ ShaderPair receiver_shaders(MapKind map, int taps) {
 }
 
 ShaderPair blur_shaders(int taps) { return {k_blur_vert, blur_frag(taps)}; }
+
+ShaderPair raw_shaders(RawFragments fragments) {
+    switch (fragments) {
+        case RawFragments::None: return {k_raw_uv_0_vert, {}};
+        case RawFragments::Plain: return {k_raw_uv_1_vert, k_raw_textured_0_frag};
+        case RawFragments::Textured: return {k_raw_uv_1_vert, k_raw_textured_1_frag};
+    }
+    return {};
+}
 
 OwnedShader make_shader(VkDevice device, std::span<const std::uint32_t> spirv) {
     VkShaderModuleCreateInfo info{};

@@ -24,6 +24,10 @@ ShaderPair receiver_shaders(MapKind map, int taps);
 /// Specialisation constant 0 of the fragments is taps / 2.
 ShaderPair blur_shaders(int taps);
 
+/// Of raw_pass.h: without fragments, or with plain or textured ones.
+enum class RawFragments { None, Plain, Textured };
+ShaderPair raw_shaders(RawFragments fragments);
+
 OwnedShader make_shader(VkDevice device, std::span<const std::uint32_t> spirv);
 
 }  // namespace gnomon::peer
