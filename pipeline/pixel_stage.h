@@ -53,7 +53,6 @@ struct PixelJob {
     const Primitive<typename Real::Scalar>& primitive;
     const Wave& wave;
     const SamplePattern& pattern;
-    std::uint32_t sample_mask;
     PixelSystemValues system;
     Real depth;              // at the pixel centre, or at the sample
     std::uint32_t counting;  // lanes whose results are wanted
@@ -100,7 +99,7 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
         points.centroid = points.centre;
         if (job.system.samples > 1)
             points.centroid =
-                evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.sample_mask, x0, y0));
+                evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.system.sample_mask, x0, y0));
     }
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     Real w = points.centre.perspective.w;

@@ -129,10 +129,6 @@ TEST_CASE("positions that are no numbers drop their primitive, and only theirs",
     Canvas canvas(mark_program(), Profile{}, {});
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float inf = std::numeric_limits<float>::infinity();
-    const auto whole = [](float a) {
-        return std::vector<RasterVertex>{
-            {.clip = {-1, 1, 0.5f, 1}, .a = a}, {.clip = {3, 1, 0.5f, 1}, .a = a}, {.clip = {-1, -3, 0.5f, 1}, .a = a}};
-    };
     for (const Topology topology : {Topology::TriangleList, Topology::LineList, Topology::PointList})
         for (const FillMode fill : {FillMode::Solid, FillMode::Wireframe})
             for (const float bad : {nan, -nan, inf, -inf})
@@ -143,13 +139,15 @@ TEST_CASE("positions that are no numbers drop their primitive, and only theirs",
                                                                       : topology == Topology::LineList   ? 2
                                                                                                          : 1);
                             if (corner >= per) continue;
-                            std::vector<RasterVertex> vertices = whole(1.0f);
+                            std::vector<RasterVertex> vertices{{.clip = {-1, 1, 0.5f, 1}, .a = 1.0f},
+                                                               {.clip = {3, 1, 0.5f, 1}, .a = 1.0f},
+                                                               {.clip = {-1, -3, 0.5f, 1}, .a = 1.0f}};
                             vertices.resize(per);
                             vertices[corner].clip[component] = bad;
                             // A second primitive behind it is drawn.
-                            auto second = whole(2.0f);
-                            if (per < 3)
-                                second = {{.clip = {-0.9f, 0, 0.5f, 1}, .a = 2.0f}, {.clip = {0.9f, 0, 0.5f, 1}, .a = 2.0f}};
+                            std::vector<RasterVertex> second{{.clip = {-0.9f, 0.9f, 0.5f, 1}, .a = 2.0f},
+                                                             {.clip = {0.9f, 0.8f, 0.5f, 1}, .a = 2.0f},
+                                                             {.clip = {-0.9f, -0.9f, 0.5f, 1}, .a = 2.0f}};
                             second.resize(per);
                             vertices.insert(vertices.end(), second.begin(), second.end());
                             canvas.clear();

@@ -10,7 +10,6 @@
 using namespace gnomon;
 using namespace gnomon::testing;
 using oracle::Masks;
-using oracle::PixelRect;
 using oracle::Random;
 
 namespace {
@@ -48,7 +47,7 @@ std::vector<RasterVertex> random_vertices(Random& random, float a, float viewpor
 
 /// What shows of a triangle: inside the target, the viewport's implicit scissor and the explicit one.
 Masks visible(const Canvas& canvas, const oracle::SnappedTriangle& t, const Viewport& v, const ScissorRect* scissor) {
-    PixelRect rect = oracle::intersection(canvas.rect(), oracle::implicit_scissor(v.x, v.y, v.width, v.height));
+    oracle::PixelRect rect = oracle::intersection(canvas.rect(), oracle::implicit_scissor(v.x, v.y, v.width, v.height));
     if (scissor != nullptr) rect = oracle::intersection(rect, {scissor->x0, scissor->y0, scissor->x1, scissor->y1});
     Masks masks(canvas.rect());
     if (rect.empty()) return masks;

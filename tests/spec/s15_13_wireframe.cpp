@@ -97,7 +97,7 @@ TEST_CASE("clipping a wireframe triangle opens it", "[raster][15.13][15.4]") {
             CHECK(difference(whole, drawn).empty());
             continue;
         }
-        const int cut = (t[0].y + t[1].y) / 2 / 256;
+        const auto cut = static_cast<int>((t[0].y + t[1].y) / 2 / 256);
         int above = 0;
         int below = 0;
         for (int y = 0; y < 32; ++y)
