@@ -78,7 +78,7 @@ struct PixelTraits {
     bool discards = false;
     bool writes_depth = false;
     bool writes_coverage = false;
-    bool per_sample = false;   // D3D11.3 3.5.4
+    bool per_sample = false;   // D3D11.3 3.5.4.1
     bool force_early = false;  // D3D11.3 16.12.1
 };
 
@@ -92,7 +92,7 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const std::int32_t x0 = primitive.x0;
     const std::int32_t y0 = primitive.y0;
 
-    // Where to evaluate.
+    // Where to evaluate. Centre and centroid are those of the pixel in runs per sample too. D3D11.3 3.5.4.1.1
     EvaluationPoints<Real> points;
     points.centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
     if constexpr (kCentroid) {

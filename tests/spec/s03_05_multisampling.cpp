@@ -39,7 +39,7 @@ Case random_case(std::uint64_t seed, const oracle::TriangleTarget& target, float
 
 }  // namespace
 
-TEST_CASE("samples outside the sample mask are not drawn", "[raster][msaa][3.5.4][17.17]") {
+TEST_CASE("samples outside the sample mask are not drawn", "[raster][msaa][3.5.4][16.3.2][17.17]") {
     std::uint64_t drawn = 0;
     for (const int samples : oracle::kSampleCounts) {
         const oracle::TriangleTarget target{.pattern = oracle::standard_pattern(samples)};
@@ -147,7 +147,7 @@ TEST_CASE("where two triangles cross, each sample shows the nearer one", "[raste
     CHECK(mixed > 50);
 }
 
-TEST_CASE("one run per pixel, or one per sample", "[raster][msaa][3.5.4.1]") {
+TEST_CASE("one run per pixel, or one per sample", "[raster][msaa][3.5.4.1][3.5.4.1.1]") {
     for (const int samples : {2, 4, 16}) {
         const oracle::TriangleTarget target{.pattern = oracle::standard_pattern(samples)};
         Canvas by_pixel(interpolation_program(), Profile{}, {.samples = samples});

@@ -182,7 +182,7 @@ TEST_CASE("nothing is drawn of what lies behind the eye", "[raster][clip][15.4]"
             }
 }
 
-TEST_CASE("vertices as far as 1e30 leave a half plane where it was", "[raster][clip][15.4]") {
+TEST_CASE("vertices as far as 1e30 leave a half plane where it was", "[raster][clip][15.4][15.16.1]") {
     // The edge from (0, -far) to (0, far) is the vertical line through the middle of the target, the third vertex far right.
     Canvas canvas(mark_program(), Profile{}, {});
     for (const float far : {2.0f, 1e3f, 1e6f, 1e10f, 1e20f, 1e30f}) {

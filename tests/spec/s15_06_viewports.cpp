@@ -129,7 +129,7 @@ TEST_CASE("viewports as large as the range, far outside and of no pixel", "[rast
     CHECK(drawn > 1000);
 }
 
-TEST_CASE("the provoking vertex chooses one of up to 16 viewports, each with its scissor", "[raster][15.8.1][15.7]") {
+TEST_CASE("the provoking vertex chooses one of up to 16 viewports, each with its scissor", "[raster][15.8.1][15.15][15.7]") {
     for (const ProvokingVertex provoking : {ProvokingVertex::First, ProvokingVertex::Last}) {
         Canvas canvas(identify_program(), Profile{}, {.width = 40, .height = 36, .layers = 3});
         Random random(7);
