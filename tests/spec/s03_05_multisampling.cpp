@@ -65,10 +65,14 @@ TEST_CASE("samples outside the sample mask are not drawn", "[raster][msaa][3.5.4
                     for (int s = 0; s < samples; ++s) {
                         const SampleAt at{.x = x, .y = y, .sample = s};
                         const bool written = (expected.at(x, y) >> s & 1u) != 0;
-                        INFO(samples << " samples, mask " << mask << ", pixel (" << x << ", " << y << "), sample " << s);
-                        REQUIRE((canvas.depth_code(at) != std::bit_cast<std::uint32_t>(1.0f)) == written);
                         // The functor sees what is left. D3D11.3 16.3.2
-                        if (written) REQUIRE(canvas.value(1, 1, at) == static_cast<float>(expected.at(x, y)));
+                        const bool depth_written = canvas.depth_code(at) != std::bit_cast<std::uint32_t>(1.0f);
+                        const bool seen = canvas.value(1, 1, at) == static_cast<float>(expected.at(x, y));
+                        if (depth_written != written || (written && !seen))
+                            FAIL(
+                                fmt::format("{} samples, mask {:#x}, pixel ({}, {}), sample {}: depth written {}, coverage {}, "
+                                            "expected {:#x}",
+                                            samples, mask, x, y, s, depth_written, canvas.value(1, 1, at), expected.at(x, y)));
                     }
         }
     }
@@ -82,9 +86,11 @@ TEST_CASE("every sample has the depth of its own position", "[raster][msaa][3.5.
         std::uint64_t compared = 0;
         for (std::uint64_t seed = 0; seed < 60; ++seed) {
             Case c = random_case(seed, target, 1.0f);
-            for (RasterVertex& v : c.vertices)
-                for (float& component : v.clip) component /= v.clip[3] == component ? component : v.clip[3];
-            for (RasterVertex& v : c.vertices) v.clip[3] = 1.0f;  // equal w: vertex 0 stays the origin
+            // Equal w: vertex 0 stays the origin of the plane.
+            for (RasterVertex& v : c.vertices) {
+                const float w = v.clip[3];
+                for (float& component : v.clip) component /= w;
+            }
             canvas.clear();
             Draw draw = canvas.draw_of(c.vertices);
             draw.depth_state = {.compare = CompareOp::Always};

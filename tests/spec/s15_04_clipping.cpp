@@ -126,43 +126,45 @@ TEST_CASE("closed solids stay closed where planes cut them", "[raster][clip][wat
 }
 
 TEST_CASE("positions that are no numbers drop their primitive, and only theirs", "[raster][clip][15.4]") {
-    Canvas canvas(mark_program(), Profile{}, {});
+    struct Kind {
+        Topology topology;
+        FillMode fill;
+        std::size_t corners;
+    };
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float inf = std::numeric_limits<float>::infinity();
-    for (const Topology topology : {Topology::TriangleList, Topology::LineList, Topology::PointList})
-        for (const FillMode fill : {FillMode::Solid, FillMode::Wireframe})
-            for (const float bad : {nan, -nan, inf, -inf})
-                for (std::size_t corner = 0; corner < 3; ++corner)
-                    for (std::size_t component = 0; component < 4; ++component)
-                        for (const bool depth_clip : {true, false}) {
-                            const auto per = static_cast<std::size_t>(topology == Topology::TriangleList ? 3
-                                                                      : topology == Topology::LineList   ? 2
-                                                                                                         : 1);
-                            if (corner >= per) continue;
-                            std::vector<RasterVertex> vertices{{.clip = {-1, 1, 0.5f, 1}, .a = 1.0f},
-                                                               {.clip = {3, 1, 0.5f, 1}, .a = 1.0f},
-                                                               {.clip = {-1, -3, 0.5f, 1}, .a = 1.0f}};
-                            vertices.resize(per);
-                            vertices[corner].clip[component] = bad;
-                            // A second primitive behind it is drawn.
-                            std::vector<RasterVertex> second{{.clip = {-0.9f, 0.9f, 0.5f, 1}, .a = 2.0f},
-                                                             {.clip = {0.9f, 0.8f, 0.5f, 1}, .a = 2.0f},
-                                                             {.clip = {-0.9f, -0.9f, 0.5f, 1}, .a = 2.0f}};
-                            second.resize(per);
-                            vertices.insert(vertices.end(), second.begin(), second.end());
-                            canvas.clear();
-                            Draw draw = canvas.draw_of(vertices);
-                            draw.topology = topology;
-                            draw.raster.fill = fill;
-                            draw.raster.depth_clip = depth_clip;
-                            canvas.device().enable_counters(true);
-                            canvas.execute(draw);
-                            INFO(gnomon::name_of(topology)
-                                 << " corner " << corner << " component " << component << " is " << bad);
-                            REQUIRE(canvas.masks(1.0f).samples() == 0);
-                            REQUIRE(canvas.masks(2.0f).samples() > 0);
-                            REQUIRE(canvas.device().take_counters().primitives_culled == 1);
-                        }
+    const std::array<RasterVertex, 3> good{RasterVertex{.clip = {-0.9f, 0.9f, 0.5f, 1}},
+                                           RasterVertex{.clip = {0.9f, 0.8f, 0.5f, 1}},
+                                           RasterVertex{.clip = {-0.9f, -0.9f, 0.5f, 1}}};
+    Canvas canvas(mark_program(), Profile{}, {});
+    for (const Kind& kind :
+         {Kind{Topology::TriangleList, FillMode::Solid, 3}, Kind{Topology::TriangleList, FillMode::Wireframe, 3},
+          Kind{Topology::LineList, FillMode::Solid, 2}, Kind{Topology::PointList, FillMode::Solid, 1}})
+        for (std::size_t place = 0; place < 32 * kind.corners; ++place) {
+            // Which corner, which component of it, with or without depth clipping, and what it is.
+            const std::size_t corner = place / 32;
+            const std::size_t component = place % 4;
+            const float bad = std::array{nan, -nan, inf, -inf}[place / 4 % 4];
+            // The bad primitive, then a good one.
+            std::vector<RasterVertex> vertices;
+            for (const float mark : {1.0f, 2.0f})
+                for (std::size_t i = 0; i < kind.corners; ++i) {
+                    vertices.push_back(good[i]);
+                    vertices.back().a = mark;
+                }
+            vertices[corner].clip[component] = bad;
+            canvas.clear();
+            Draw draw = canvas.draw_of(vertices);
+            draw.topology = kind.topology;
+            draw.raster.fill = kind.fill;
+            draw.raster.depth_clip = place / 16 % 2 == 0;
+            canvas.device().enable_counters(true);
+            canvas.execute(draw);
+            INFO(gnomon::name_of(kind.topology) << " corner " << corner << " component " << component << " is " << bad);
+            REQUIRE(canvas.masks(1.0f).samples() == 0);
+            REQUIRE(canvas.masks(2.0f).samples() > 0);
+            REQUIRE(canvas.device().take_counters().primitives_culled == 1);
+        }
 }
 
 TEST_CASE("nothing is drawn of what lies behind the eye", "[raster][clip][15.4]") {

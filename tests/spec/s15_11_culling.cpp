@@ -48,8 +48,9 @@ TEST_CASE("triangles are culled by their facing, which the functor sees", "[rast
                         for (int s = 0; s < 4; ++s) {
                             if ((drawn.at(x, y) >> s & 1u) == 0) continue;
                             ++seen[front ? 1 : 0];
-                            INFO("case " << layer + 900 << ", pixel (" << x << ", " << y << "), sample " << s);
-                            REQUIRE(canvas.value(1, 0, {x, y, s, layer}) == (front ? 1.0f : 0.0f));
+                            if (canvas.value(1, 0, {x, y, s, layer}) != (front ? 1.0f : 0.0f))
+                                FAIL("case " << layer + 900 << ", pixel (" << x << ", " << y << "), sample " << s << " faces "
+                                             << canvas.value(1, 0, {x, y, s, layer}));
                         }
             }
         }
