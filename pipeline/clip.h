@@ -12,6 +12,9 @@ namespace gnomon {
 template <class Scalar>
 struct GuardBand {                    // D3D11.3 15.4
     Scalar left, right, bottom, top;  // -left w <= x <= right w and so on; each >= 1
+    // How far out something can still be seen, in the same units: the pixels that the left and the top edge of a viewport cut
+    // belong to it as a whole. D3D11.3 15.7
+    Scalar seen_left = 1, seen_top = 1;
 };
 
 /// A vertex after the vertex functor: clip-space x, y, z, w, then the varyings.
@@ -25,7 +28,7 @@ enum ClipCode : unsigned {
     kOutsideRight = 1u << 3,
     kOutsideBottom = 1u << 4,
     kOutsideTop = 1u << 5,
-    kBeyondLeft = 1u << 6,  // beyond the viewport: if all three are, nothing is visible
+    kBeyondLeft = 1u << 6,  // beyond what is seen: if all three are, nothing is visible
     kBeyondRight = 1u << 7,
     kBeyondBottom = 1u << 8,
     kBeyondTop = 1u << 9,
@@ -54,10 +57,10 @@ unsigned clip_code(const Scalar* v, const GuardBand<double>& guard, bool depth_c
     if (wide_x > guard.right * wide_w) code |= kOutsideRight;
     if (wide_y < -guard.bottom * wide_w) code |= kOutsideBottom;
     if (wide_y > guard.top * wide_w) code |= kOutsideTop;
-    if (x < -w) code |= kBeyondLeft;
+    if (wide_x < -guard.seen_left * wide_w) code |= kBeyondLeft;
     if (x > w) code |= kBeyondRight;
     if (y < -w) code |= kBeyondBottom;
-    if (y > w) code |= kBeyondTop;
+    if (wide_y > guard.seen_top * wide_w) code |= kBeyondTop;
     return code;
 }
 

@@ -36,6 +36,7 @@ struct PixelSystemValues {
     bool front = true;
     int sample = -1;  // the sample it runs for; -1: for the whole pixel
     int samples = 1;  // of the targets
+    std::uint32_t sample_mask = 0xffffffffu;
 };
 
 /// Which texel `load` reads. Out of range reads as 0.
@@ -76,7 +77,8 @@ public:
         if (system_.samples == 1) return select(Mask::from_bits(wave_.covered), Int(1), Int(0));
         Int bits(0);
         for (int s = 0; s < system_.samples; ++s)
-            bits = bits | select(Mask::from_bits(wave_.samples[static_cast<std::size_t>(s)]), Int(1 << s), Int(0));
+            if ((system_.sample_mask >> s & 1u) != 0)
+                bits = bits | select(Mask::from_bits(wave_.samples[static_cast<std::size_t>(s)]), Int(1 << s), Int(0));
         return bits;
     }
 

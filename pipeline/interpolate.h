@@ -66,25 +66,26 @@ GNOMON_INLINE PixelOffset<Real> sample_offset(const Wave& wave, const SamplePosi
     return pixel_offset<Real>(wave, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
 }
 
-/// The centroid: the centre of pixels that are covered whole, else the first covered sample; in helper pixels the first sample
-/// of a partial sample mask, else the centre. D3D11.3 3.5.5
+/// The centroid: the centre of pixels that are covered whole, else the first sample that is covered and in the sample mask; in
+/// helper pixels the first sample of a partial sample mask, else the centre. D3D11.3 3.5.5
 template <class Real>
 PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern, std::uint32_t sample_mask, std::int32_t x0,
                                   std::int32_t y0) {
     const Int centre(kSubpixels / 2);
     Int x = centre;
     Int y = centre;
-    const bool partial = (sample_mask & pattern.all()) != pattern.all();
-    if (partial && (sample_mask & pattern.all()) != 0) {
-        const SamplePosition& first = pattern.at[static_cast<std::size_t>(std::countr_zero(sample_mask))];
+    const std::uint32_t wanted = sample_mask & pattern.all();
+    if (wanted != pattern.all() && wanted != 0) {
+        const SamplePosition& first = pattern.at[static_cast<std::size_t>(std::countr_zero(wanted))];
         x = Int(first.x * kSampleGrid);
         y = Int(first.y * kSampleGrid);
     }
     std::uint32_t whole = kAllLanes;
     for (int s = pattern.count - 1; s >= 0; --s) {
         const auto i = static_cast<std::size_t>(s);
-        const Mask covered = Mask::from_bits(wave.samples[i]);
         whole &= wave.samples[i];
+        if ((wanted >> s & 1u) == 0) continue;
+        const Mask covered = Mask::from_bits(wave.samples[i]);
         x = select(covered, Int(pattern.at[i].x * kSampleGrid), x);
         y = select(covered, Int(pattern.at[i].y * kSampleGrid), y);
     }

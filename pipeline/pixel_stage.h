@@ -53,7 +53,6 @@ struct PixelJob {
     const Primitive<typename Real::Scalar>& primitive;
     const Wave& wave;
     const SamplePattern& pattern;
-    std::uint32_t sample_mask;
     PixelSystemValues system;
     Real depth;              // at the pixel centre, or at the sample
     std::uint32_t counting;  // lanes whose results are wanted
@@ -79,7 +78,7 @@ struct PixelTraits {
     bool discards = false;
     bool writes_depth = false;
     bool writes_coverage = false;
-    bool per_sample = false;   // D3D11.3 3.5.4
+    bool per_sample = false;   // D3D11.3 3.5.4.1
     bool force_early = false;  // D3D11.3 16.12.1
 };
 
@@ -93,12 +92,13 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const std::int32_t x0 = primitive.x0;
     const std::int32_t y0 = primitive.y0;
 
-    // Where to evaluate: the centre, and what the modes of the varyings ask for besides.
+    // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the pixel in
+    // runs per sample too. D3D11.3 3.5.4.1.1
     const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     const auto centroid_point = [&]() -> EvaluationPoint<Real> {
         if (!kCentroid || job.system.samples == 1) return centre;
-        return evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.sample_mask, x0, y0));
+        return evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.system.sample_mask, x0, y0));
     };
     const auto sample_point = [&]() -> EvaluationPoint<Real> {
         if (!kSample && !per_sample) return centre;

@@ -122,7 +122,7 @@ private:
                 std::uint32_t covered =
                     cover(edges, edge_values(edges, edges.value, steps, x - first_x, y - first_y), inside, samples);
                 if (covered == 0) continue;
-                if (state_.output.sample_mask != ~0u) covered = mask_samples(samples);
+                if (state_.output.sample_mask != ~0u) covered = masked_lanes(samples);
                 pack_row(x, y, covered, samples);
             }
         }
@@ -198,8 +198,8 @@ private:
     }
 
     /// A full row of quads goes straight on; loose quads are packed.
-    void add(int x, int y, std::uint32_t covered, SampleMasks& samples) {
-        if (state_.output.sample_mask != ~0u) covered = mask_samples(samples);
+    void add(int x, int y, std::uint32_t covered, const SampleMasks& samples) {
+        if (state_.output.sample_mask != ~0u) covered = masked_lanes(samples);
         if (covered == 0) return;
         if (quad_any(covered) == kAllLanes) {
             Wave wave = row_wave(x, y, covered);
@@ -215,8 +215,8 @@ private:
             if (mask != 0) pack(x + 2 * q, y, mask, samples, q);
         }
     }
-    void add_quad(int x, int y, std::uint32_t mask, SampleMasks& samples, int from) {
-        if (state_.output.sample_mask != ~0u) mask = mask_samples(samples);
+    void add_quad(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
+        if (state_.output.sample_mask != ~0u) mask = masked_lanes(samples);
         if (mask != 0) pack(x, y, mask, samples, from);
     }
     void pack(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
@@ -227,14 +227,11 @@ private:
         }
         if (packer_.full()) shade(packer_.take());
     }
-    /// Takes off the samples that the sample mask lacks; returns the lanes that are left. D3D11.3 17.17
-    std::uint32_t mask_samples(SampleMasks& samples) const {
+    /// The lanes with a sample that the sample mask has. D3D11.3 17.17
+    std::uint32_t masked_lanes(const SampleMasks& samples) const {
         std::uint32_t any = 0;
-        for (int s = 0; s < sample_count(); ++s) {
-            const auto i = static_cast<std::size_t>(s);
-            if ((state_.output.sample_mask >> s & 1u) == 0) samples[i] = 0;
-            any |= samples[i];
-        }
+        for (int s = 0; s < sample_count(); ++s)
+            if ((state_.output.sample_mask >> s & 1u) != 0) any |= samples[static_cast<std::size_t>(s)];
         return any;
     }
 
@@ -253,7 +250,8 @@ private:
     void shade(const Wave& wave) {
         SampleMasks live;
         if constexpr (kMulti) {
-            std::copy_n(wave.samples.begin(), sample_count(), live.begin());
+            for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
+                live[s] = (state_.output.sample_mask >> s & 1u) != 0 ? wave.samples[s] : 0;
         } else {
             live[0] = wave.covered;
         }
@@ -303,13 +301,13 @@ private:
         const PixelJob<Real> job{.primitive = *primitive_,
                                  .wave = wave,
                                  .pattern = state_.pattern,
-                                 .sample_mask = state_.output.sample_mask,
                                  .system = {.primitive_id = primitive_->id,
                                             .layer = primitive_->layer,
                                             .viewport = primitive_->viewport,
                                             .front = primitive_->front,
                                             .sample = sample,
-                                            .samples = sample_count()},
+                                            .samples = sample_count(),
+                                            .sample_mask = state_.output.sample_mask},
                                  .depth = depth,
                                  .counting = counting,
                                  .environment = state_.environment,

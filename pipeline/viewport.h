@@ -25,10 +25,17 @@ inline GuardBand<double> guard_band(const Viewport& viewport) {
     const double half_height = 0.5 * static_cast<double>(viewport.height);
     const double centre_x = static_cast<double>(viewport.x) + half_width;
     const double centre_y = static_cast<double>(viewport.y) + half_height;
+    // Edges of a viewport on whole pixels are exact, others a pixel more than they need be, whatever the transform rounds.
+    const auto cut = [](float edge) {
+        const double rest = static_cast<double>(edge) - std::floor(static_cast<double>(edge));
+        return rest > 0 ? rest + 1 : 0.0;
+    };
     return {.left = (kReach + centre_x) / half_width,
             .right = (kReach - centre_x) / half_width,
             .bottom = (kReach - centre_y) / half_height,
-            .top = (kReach + centre_y) / half_height};
+            .top = (kReach + centre_y) / half_height,
+            .seen_left = 1 + cut(viewport.x) / half_width,
+            .seen_top = 1 + cut(viewport.y) / half_height};
 }
 
 /// `scissor` may be null. The edges of the viewport round down to whole pixels. D3D11.3 15.7

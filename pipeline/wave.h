@@ -22,12 +22,12 @@ inline Int lane_dy() { return shift_right_logical<1>(lane_index()) & Int(1); }
 struct Wave {
     Int x;  // pixel coordinates per lane
     Int y;
-    std::uint32_t covered = 0;  // lanes with a sample inside the primitive; the others are helpers
+    std::uint32_t covered = 0;  // lanes with a sample inside primitive and sample mask; the others are helpers
     int quads = 0;              // quads in use, from lane 0; lanes behind them repeat quad 0 and count for nothing
     bool row = false;           // the quads stand side by side, from an even pixel on
     std::array<std::int32_t, kQuadsPerWave> quad_x;  // top-left pixel of each quad in use
     std::array<std::int32_t, kQuadsPerWave> quad_y;
-    std::array<std::uint32_t, kMaxSamples> samples;  // lanes covered by sample; not set where there is one per pixel
+    std::array<std::uint32_t, kMaxSamples> samples;  // lanes by sample, before the sample mask; not set for one per pixel
 };
 
 /// Collects the quads of one primitive until a wave is full.

@@ -133,21 +133,54 @@ Rounded plane_bound(const SnappedTriangle& t, const std::array<float, 3>& v, con
     return Rounded::exactly(values[0]) + (along_x + along_y);
 }
 
-Rounded perspective_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const std::array<float, 3>& w,
-                          const Point& p, int division_roundings) {
-    const Gradients g = gradients(t);
-    const Rounded dx = pixels(p.x - t[0].x);
-    const Rounded dy = pixels(p.y - t[0].y);
-    const Rounded l1 = dx * Rounded::nearest(g.l1_dx) + dy * Rounded::nearest(g.l1_dy);
-    const Rounded l2 = dx * Rounded::nearest(g.l2_dx) + dy * Rounded::nearest(g.l2_dy);
+namespace {
+
+/// Barycentrics of vertices 1 and 2, linear on the screen.
+struct LinearWeights {
+    Rounded l1, l2;
+
+    LinearWeights(const SnappedTriangle& t, const Point& p) {
+        const Gradients g = gradients(t);
+        const Rounded dx = pixels(p.x - t[0].x);
+        const Rounded dy = pixels(p.y - t[0].y);
+        l1 = dx * Rounded::nearest(g.l1_dx) + dy * Rounded::nearest(g.l1_dy);
+        l2 = dx * Rounded::nearest(g.l2_dx) + dy * Rounded::nearest(g.l2_dy);
+    }
+};
+
+/// v0 + (b1 (v1 - v0) + b2 (v2 - v0)).
+Rounded weighted(const std::array<Rounded, 3>& v, const Rounded& b1, const Rounded& b2) {
+    return v[0] + (b1 * (v[1] - v[0]) + b2 * (v[2] - v[0]));
+}
+
+std::array<Rounded, 3> numbers(const std::array<float, 3>& v) {
+    return {Rounded::exactly(v[0]), Rounded::exactly(v[1]), Rounded::exactly(v[2])};
+}
+
+std::array<Rounded, 3> reciprocals(const std::array<float, 3>& w, int division_roundings) {
     std::array<Rounded, 3> inverse;
     for (std::size_t i = 0; i < 3; ++i) inverse[i] = divide(Rounded::exactly(1.0f), Rounded::exactly(w[i]), division_roundings);
-    const Rounded inverse_here = inverse[0] + (l1 * (inverse[1] - inverse[0]) + l2 * (inverse[2] - inverse[0]));
-    const Rounded w_here = divide(Rounded::exactly(1.0f), inverse_here, division_roundings);
-    const Rounded b1 = l1 * inverse[1] * w_here;
-    const Rounded b2 = l2 * inverse[2] * w_here;
-    const Rounded v0 = Rounded::exactly(v[0]);
-    return v0 + (b1 * (Rounded::exactly(v[1]) - v0) + b2 * (Rounded::exactly(v[2]) - v0));
+    return inverse;
+}
+
+}  // namespace
+
+Rounded linear_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const Point& p) {
+    const LinearWeights l(t, p);
+    return weighted(numbers(v), l.l1, l.l2);
+}
+
+Rounded perspective_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const std::array<float, 3>& w,
+                          const Point& p, int division_roundings) {
+    const LinearWeights l(t, p);
+    const std::array<Rounded, 3> inverse = reciprocals(w, division_roundings);
+    const Rounded w_here = divide(Rounded::exactly(1.0f), weighted(inverse, l.l1, l.l2), division_roundings);
+    return weighted(numbers(v), l.l1 * inverse[1] * w_here, l.l2 * inverse[2] * w_here);
+}
+
+Rounded perspective_w_bound(const SnappedTriangle& t, const std::array<float, 3>& w, const Point& p) {
+    const LinearWeights l(t, p);
+    return divide(Rounded::exactly(1.0f), weighted(reciprocals(w, 1), l.l1, l.l2));
 }
 
 long double max_depth_slope(const SnappedTriangle& t, const std::array<float, 3>& z) {

@@ -75,11 +75,17 @@ Rounded divide(const Rounded& a, const Rounded& b, int roundings = 1);
 Rounded plane_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const Point& p, std::size_t origin = 0,
                     long double slope_error = 0);
 
+/// The noperspective value from barycentrics: v0 + (l1 (v1 - v0) + l2 (v2 - v0)), l1 and l2 as below.
+Rounded linear_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const Point& p);
+
 /// The perspective value from barycentrics: l1 and l2 from planes through 0 at vertex 0, 1 / w from
 /// 1/w0 + (l1 (1/w1 - 1/w0) + l2 (1/w2 - 1/w0)), b1 = l1 (1/w1) w, b2 alike, v0 + (b1 (v1 - v0) + b2 (v2 - v0)).
 /// Infinite where 1 / w may be 0.
 Rounded perspective_bound(const SnappedTriangle& t, const std::array<float, 3>& v, const std::array<float, 3>& w,
                           const Point& p, int division_roundings = 1);
+
+/// w from the same arithmetic.
+Rounded perspective_w_bound(const SnappedTriangle& t, const std::array<float, 3>& w, const Point& p);
 
 // --- Depth bias -----------------------------------------------------------------------------------------------------------
 
