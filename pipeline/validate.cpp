@@ -95,6 +95,8 @@ private:
             if (desc.format != Format::R32Uint || desc.samples != 1 || desc.kind != TextureKind::Flat)
                 refuse("derivative report in {} with {} samples, expected flat r32ui with one", report_->info().name,
                        desc.samples);
+            for (std::size_t i = 0; i < context_.color.size(); ++i)
+                if (context_.color[i].texture == report_) refuse("derivative report is colour target {} as well", i);
             if (sized_ != nullptr && (report_->width(0) != width_ || report_->height(0) != height_))
                 refuse("derivative report of {}x{} pixels, expected {}x{} as the targets", report_->width(0),
                        report_->height(0), width_, height_);

@@ -44,14 +44,14 @@ void write_ramp(Canvas& canvas, TextureId target) {
 TEST_CASE("every depth comparison, with and without writes", "[17.9][17.11][depth]") {
     // Three codes beside each other, stored and incoming: all nine pairs.
     for (const Format format : {Format::D16, Format::D24UnormS8, Format::D32Float}) {
-        const float step = format == Format::D16 ? 1.0f / 65535.0f : format == Format::D32Float ? 0x1p-24f : 1.0f / 16777215.0f;
+        const float step = format == Format::D16 ? 1.0f / 65535.0f : format == Format::D32Float ? 0x1p-25f : 1.0f / 16777215.0f;
         for (const CompareOp compare : kCompares) {
             for (const bool write : {true, false}) {
                 for (const bool by_shader : {true, false}) {
                     Canvas canvas(load_profile("d3d11"), 3, 3);
                     const TextureId depth = canvas.target(format);
                     const TextureId color = canvas.target(Format::R32Float);
-                    const auto value = [&](std::size_t i) { return 0.5f + (static_cast<float>(i) - 1.0f) * step; };
+                    const auto value = [&](std::size_t i) { return 0.25f + (static_cast<float>(i) - 1.0f) * step; };
                     for (std::size_t column = 0; column < 3; ++column) {
                         const auto x = static_cast<float>(column);
                         Draw prepare = canvas.rectangle(depth_only_program(), {x, 0, x + 1, 3}, value(column));
@@ -68,8 +68,8 @@ TEST_CASE("every depth comparison, with and without writes", "[17.9][17.11][dept
                     const ImageConstants images{canvas.image(Image(9, glm::vec4(1.0f))), canvas.image(control)};
                     for (std::size_t row = 0; row < 3; ++row) {
                         const auto y = static_cast<float>(row);
-                        Draw draw = canvas.rectangle(image_program(1, by_shader ? kDepth : 0), {0, y, 3, y + 1},
-                                                     by_shader ? 0.25f : value(row), images);
+                        Draw draw = canvas.rectangle(image_program(1, by_shader ? unsigned{kDepth} : 0u), {0, y, 3, y + 1},
+                                                     by_shader ? 0.75f : value(row), images);
                         draw.color[0] = color;
                         draw.depth = depth;
                         draw.depth_state = {.write = write, .compare = compare};

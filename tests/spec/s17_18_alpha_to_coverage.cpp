@@ -109,7 +109,7 @@ TEST_CASE("alpha itself reaches the target unchanged, and a shader's own mask tu
     for (const float alpha : {0.0f, 0.25f, 0.75f, 1.0f}) colors.emplace_back(1.0f, 2.0f, 1.0f, alpha);
     const Image control(4, glm::vec4(0.0f, 0.0f, 15.0f, 0.0f));
     for (const bool own_mask : {false, true}) {
-        Draw draw = canvas.everything(image_program(1, own_mask ? kCoverage : 0), 0.5f, {canvas.image(colors), canvas.image(control)});
+        Draw draw = canvas.everything(image_program(1, own_mask ? unsigned{kCoverage} : 0u), 0.5f, {canvas.image(colors), canvas.image(control)});
         draw.color[0] = canvas.target(Format::Rgba32Float);
         draw.output.alpha_to_coverage = true;
         const auto found = masks(canvas, draw);

@@ -37,6 +37,19 @@ struct ChooseLayer : PassThrough {
     }
 };
 
+struct MoveByInstance : PassThrough {
+    template <class Real>
+    struct Instance {
+        Real x, y;
+    };
+    template <class V>
+    auto operator()(const V& v) const {
+        using Real = typename V::Real;
+        const Vec4<Real>& p = v.in.position;
+        return VertexOutput{Vec4<Real>{p.x + v.instance.x, p.y + v.instance.y, p.z, p.w}, Varyings<Real>{v.in.a, v.in.b}};
+    }
+};
+
 template <std::size_t kTargets, unsigned kFeatures>
 struct FromImages {
     TextureId colors;
@@ -115,6 +128,11 @@ const Program& layered_program() {
 }
 const Program& layered_depth_program() {
     static const Program program = make_program<ChooseLayer>("test.layered-depth");
+    return program;
+}
+
+const Program& instanced_program() {
+    static const Program program = make_program<MoveByInstance>("test.instanced");
     return program;
 }
 

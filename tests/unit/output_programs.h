@@ -33,6 +33,9 @@ const Program& layered_program();
 /// The same without a pixel functor.
 const Program& layered_depth_program();
 
+/// Depth only; two floats per instance move it.
+const Program& instanced_program();
+
 using Image = std::vector<glm::vec4>;
 
 /// A rectangle of pixels at one depth.
