@@ -236,7 +236,7 @@ private:
         return true;
     }
 
-    /// When depth is tested. D3D11.3 16.12
+    /// When depth is tested. D3D11.3 16.12.1, 16.12.2
     DepthOrder depth_order() const {
         const PixelTraits& pixel = program_->pixel;
         const bool masks = pixel.discards || pixel.writes_coverage || (draw_.output.alpha_to_coverage && pixel.targets > 0);

@@ -79,7 +79,8 @@ struct FuzzPixel {
             color.w = select(here, texel.y, color.w);
         });
         std::array<Vec4<Real>, kTargets> colors;
-        for (std::size_t i = 0; i < kTargets; ++i) colors[i] = i % 2 == 0 ? color : Vec4<Real>{f.position.z, f.ddx(f.in.a), f.ddy(f.in.b), f.position.w};
+        for (std::size_t i = 0; i < kTargets; ++i)
+            colors[i] = i % 2 == 0 ? color : Vec4<Real>{f.position.z, f.ddx(f.in.a), f.ddy(f.in.b), f.position.w};
         if constexpr (kWritesDepth) {
             return DepthOutput{colors, f.position.z + f.in.b};
         } else if constexpr (kWritesCoverage) {
@@ -94,14 +95,13 @@ using Constants = FuzzPixel<1, false, false, false, false, false>;
 
 template <class Vertex>
 std::vector<const Program*> programs_of() {
-    static const std::array programs{
-        make_program<Vertex>("fuzz.depth"),
-        make_program<Vertex, FuzzPixel<1, false, false, false, false, false>>("fuzz.color"),
-        make_program<Vertex, FuzzPixel<2, true, false, false, false, false>>("fuzz.discards"),
-        make_program<Vertex, FuzzPixel<4, false, false, false, false, true>>("fuzz.samples"),
-        make_program<Vertex, FuzzPixel<1, true, true, false, false, false>>("fuzz.depth-output"),
-        make_program<Vertex, FuzzPixel<2, false, false, true, false, true>>("fuzz.coverage"),
-        make_program<Vertex, FuzzPixel<4, true, false, false, true, false>>("fuzz.early")};
+    static const std::array programs{make_program<Vertex>("fuzz.depth"),
+                                     make_program<Vertex, FuzzPixel<1, false, false, false, false, false>>("fuzz.color"),
+                                     make_program<Vertex, FuzzPixel<2, true, false, false, false, false>>("fuzz.discards"),
+                                     make_program<Vertex, FuzzPixel<4, false, false, false, false, true>>("fuzz.samples"),
+                                     make_program<Vertex, FuzzPixel<1, true, true, false, false, false>>("fuzz.depth-output"),
+                                     make_program<Vertex, FuzzPixel<2, false, false, true, false, true>>("fuzz.coverage"),
+                                     make_program<Vertex, FuzzPixel<4, true, false, false, true, false>>("fuzz.early")};
     std::vector<const Program*> list;
     for (const Program& program : programs) list.push_back(&program);
     return list;
@@ -167,7 +167,8 @@ private:
             return !info.is_depth && (samples_ == 1 || profile.multisamples_float || !is_float);
         };
         while (targets_.size() < 4) {
-            const FormatInfo& info = kFormats[static_cast<std::size_t>(random_.integer(0, static_cast<int>(kFormats.size()) - 1))];
+            const FormatInfo& info =
+                kFormats[static_cast<std::size_t>(random_.integer(0, static_cast<int>(kFormats.size()) - 1))];
             if (makes_sense(info)) create(info.format);
         }
         constexpr std::array kDepths{Format::D24UnormS8, Format::D32FloatS8, Format::D16, Format::D24, Format::D32Float};
@@ -310,9 +311,9 @@ private:
             if (i > 0 && (dual || random_.chance(5))) continue;
             draw.color[i] = view(targets_[i]);
             const FormatInfo& info = device_.texture(targets_[i]).info();
-            const bool blends = !info.is_integer() &&
-                                (info.type != ComponentType::Float32 || profile.blends_float32) &&
-                                ((info.type != ComponentType::Float16 && info.type != ComponentType::Float11) || profile.blends_float16);
+            const bool blends =
+                !info.is_integer() && (info.type != ComponentType::Float32 || profile.blends_float32) &&
+                ((info.type != ComponentType::Float16 && info.type != ComponentType::Float11) || profile.blends_float16);
             BlendState& state = output.blend[i];
             if (random_.chance(4)) state.write_mask = random_.integer(0, 15);
             if (!blends || random_.chance(2)) continue;
@@ -371,9 +372,9 @@ private:
             }
     }
 
-    static constexpr int kVertices = 240;
+    static constexpr int kVertices = 120;
     static constexpr int kInstances = 5;
-    static constexpr int kIndices = 300;
+    static constexpr int kIndices = 160;
 
     Random random_;
     FuzzOptions options_;

@@ -71,7 +71,8 @@ std::uint32_t stored_code(Format format, const std::byte* texel, int component) 
     const BitField field = bits_of(format, component);
     std::uint64_t window = 0;
     const int byte = field.first / 8;
-    std::memcpy(&window, texel + byte, static_cast<std::size_t>(std::min(8, gnomon::format_info(format).bytes_per_texel - byte)));
+    std::memcpy(&window, texel + byte,
+                static_cast<std::size_t>(std::min(8, gnomon::format_info(format).bytes_per_texel - byte)));
     return static_cast<std::uint32_t>(window >> (field.first % 8) & ((std::uint64_t{1} << field.count) - 1u));
 }
 

@@ -1,5 +1,5 @@
-// The output merger for one sample, in scalar double rounded after every operation: blending, conversion to the format, stencil.
-// Shares no code with the pipeline. D3D11.3 17.1, 17.5, 17.6, 17.12, 3.2.2, 3.2.3
+// The output merger for one sample, in scalar double rounded after every operation: blending, conversion to the format,
+// stencil. Shares no code with the pipeline. D3D11.3 17.1, 17.5, 17.6, 17.12, 3.2.2, 3.2.3
 #pragma once
 
 #include "pipeline/state.h"

@@ -5,8 +5,8 @@
 #include "tests/oracle/texel.h"
 #include "tests/unit/output_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <cmath>
 
@@ -123,11 +123,12 @@ TEST_CASE("box resolve of every format is the mean of the samples", "[5.6.6][19.
                         const std::uint32_t ideal = oracle::component_code(format.format, profile, exact, c);
                         const double here = oracle::texel_value(format.format, profile, found, c);
                         const double there = oracle::texel_value(format.format, profile, ideal, c);
-                        const double step =
-                            format.type == ComponentType::Float32 ? std::fabs(exact) * samples * arithmetic.unit() * 2
-                            : format.type == ComponentType::Float16 || format.type == ComponentType::Float11
-                                ? std::fmax(std::fabs(exact), 0x1p-14) * (format.type == ComponentType::Float16 ? 0x1p-10 : 0x1p-5)
-                                : 0.03;
+                        const double step = format.type == ComponentType::Float32
+                                                ? std::fabs(exact) * samples * arithmetic.unit() * 2
+                                            : format.type == ComponentType::Float16 || format.type == ComponentType::Float11
+                                                ? std::fmax(std::fabs(exact), 0x1p-14) *
+                                                      (format.type == ComponentType::Float16 ? 0x1p-10 : 0x1p-5)
+                                                : 0.03;
                         if (std::fabs(here - there) > step) REQUIRE(std::fabs(here - there) <= step);
                     }
                 }
@@ -142,8 +143,7 @@ TEST_CASE("resolve takes one slice of an array to one level and slice", "[5.6.6]
         "samples",
         {.format = Format::R32Float, .width = 6, .height = 4, .kind = TextureKind::Array, .layers = 3, .samples = 4});
     const TextureId destination = device.create_texture(
-        "mean",
-        {.format = Format::R32Float, .width = 12, .height = 8, .levels = 2, .kind = TextureKind::Array, .layers = 2});
+        "mean", {.format = Format::R32Float, .width = 12, .height = 8, .levels = 2, .kind = TextureKind::Array, .layers = 2});
     for (int layer = 0; layer < 3; ++layer)
         for (int s = 0; s < 4; ++s) {
             const std::vector<float> texels(24, static_cast<float>(100 * layer + s));
@@ -176,7 +176,8 @@ TEST_CASE("a shader resolves by loading each sample", "[22.4.7][22.4.6][resolve]
                 WeightedResolve functor{.source = source};
                 for (std::size_t s = 0; s < static_cast<std::size_t>(samples); ++s)
                     functor.weights[s] = box ? 1.0f / static_cast<float>(samples) : static_cast<float>(s % 3) * 0.375f;
-                Draw draw = make_draw(resolve_program(), upload(canvas.device, canvas.corners({0, 0, kWidth, kHeight}, 0.5f)), 0, 6);
+                Draw draw =
+                    make_draw(resolve_program(), upload(canvas.device, canvas.corners({0, 0, kWidth, kHeight}, 0.5f)), 0, 6);
                 draw.pixel_constants = constants_of(functor);
                 draw.color[0] = custom;
                 canvas.device.execute(draw);

@@ -75,8 +75,8 @@ Result draw_all(unsigned features, int samples, std::uint64_t seed, bool stencil
                 const bool masked = (features & kCoverage) != 0 && (static_cast<int>(control[i].z) >> s & 1) == 0;
                 if (!early && (discarded || masked)) continue;
                 const float own_z = !early && (features & kDepth) != 0 ? control[i].y : z;
-                const bool depth_passes = oracle::passes(draw.depth_state.compare, static_cast<double>(own_z),
-                                                         static_cast<double>(sample.z));
+                const bool depth_passes =
+                    oracle::passes(draw.depth_state.compare, static_cast<double>(own_z), static_cast<double>(sample.z));
                 bool passes = depth_passes;
                 if (stencil_test) {
                     const auto outcome = oracle::stencil(draw.stencil, true, depth_passes, sample.stencil);

@@ -4,8 +4,8 @@
 #include "tests/oracle/texel.h"
 #include "tests/unit/output_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <limits>
 
@@ -106,17 +106,19 @@ struct BlendBench {
             for (int c = 0; c < components; ++c) {
                 const bool written = (state.write_mask >> c & 1) != 0;
                 const std::uint32_t expected =
-                    written ? oracle::component_code(format, profile, after[static_cast<std::size_t>(c)], c) : stored_code(i, c);
+                    written ? oracle::component_code(format, profile, after[static_cast<std::size_t>(c)], c)
+                            : stored_code(i, c);
                 const std::uint32_t found = canvas.code(target, i, c);
                 changed += found != stored_code(i, c) ? 1u : 0u;
                 if (found == expected) continue;
                 const auto k = static_cast<std::size_t>(c);
-                FAIL(fmt::format("{} {}, profile {}, pixel {}, component {}: {:#x}, expected {:#x} ({:a}); src {:a}, src1 "
-                                 "{:a}, stored {:a}, alphas {:a} {:a} {:a}, color {} {} {}, alpha {} {} {}",
-                                 what, format_info(format).name, profile.name, i, c, found, expected, after[k],
-                                 wide(src[i])[k], wide(src1[i])[k], before[k], wide(src[i])[3], wide(src1[i])[3], before[3],
-                                 name_of(state.src), name_of(state.op), name_of(state.dst), name_of(state.src_alpha),
-                                 name_of(state.op_alpha), name_of(state.dst_alpha)));
+                FAIL(
+                    fmt::format("{} {}, profile {}, pixel {}, component {}: {:#x}, expected {:#x} ({:a}); src {:a}, src1 "
+                                "{:a}, stored {:a}, alphas {:a} {:a} {:a}, color {} {} {}, alpha {} {} {}",
+                                what, format_info(format).name, profile.name, i, c, found, expected, after[k], wide(src[i])[k],
+                                wide(src1[i])[k], before[k], wide(src[i])[3], wide(src1[i])[3], before[3], name_of(state.src),
+                                name_of(state.op), name_of(state.dst), name_of(state.src_alpha), name_of(state.op_alpha),
+                                name_of(state.dst_alpha)));
             }
         }
     }
@@ -235,7 +237,8 @@ TEST_CASE("blending in sRGB targets is linear", "[17.4][blend]") {
     Canvas canvas(load_profile("d3d11"), 2, 2);
     const TextureId target = canvas.target(Format::Rgba8Srgb);
     canvas.device.execute(ClearColor{target, glm::vec4(0.0f)});
-    Draw draw = canvas.everything(image_program(1), 0.5f, {canvas.image(Image(4, glm::vec4(1.0f, 1.0f, 1.0f, 0.5f))), canvas.image(Image(4))});
+    Draw draw = canvas.everything(image_program(1), 0.5f,
+                                  {canvas.image(Image(4, glm::vec4(1.0f, 1.0f, 1.0f, 0.5f))), canvas.image(Image(4))});
     draw.color[0] = target;
     draw.output.blend[0] = {.enable = true, .src = BlendFactor::SrcAlpha, .dst = BlendFactor::InvSrcAlpha};
     canvas.device.execute(draw);
@@ -245,7 +248,8 @@ TEST_CASE("blending in sRGB targets is linear", "[17.4][blend]") {
 
 TEST_CASE("each target blends by its own state and clamps to its own range", "[17.3][17.5][blend]") {
     Canvas canvas(load_profile("d3d11"), 2, 2);
-    Draw draw = canvas.everything(image_program(8), 0.5f, {canvas.image(Image(4 * 8, glm::vec4(2.0f))), canvas.image(Image(4))});
+    Draw draw =
+        canvas.everything(image_program(8), 0.5f, {canvas.image(Image(4 * 8, glm::vec4(2.0f))), canvas.image(Image(4))});
     for (std::size_t i = 0; i < 8; ++i) {
         draw.color[i] = canvas.target(i % 2 == 0 ? Format::R8Unorm : Format::R32Float);
         canvas.device.execute(ClearColor{draw.color[i], glm::vec4(0.5f)});

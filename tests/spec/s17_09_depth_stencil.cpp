@@ -4,8 +4,8 @@
 #include "tests/oracle/texel.h"
 #include "tests/unit/output_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -29,8 +29,8 @@ void write_ramp(Canvas& canvas, TextureId target) {
             const auto corners = canvas.corners(box, 0.5f);
             vertices.insert(vertices.end(), corners.begin(), corners.end());
         }
-        Draw draw = make_draw(depth_only_program(), upload(canvas.device, vertices), 0,
-                              static_cast<std::uint32_t>(vertices.size()));
+        Draw draw =
+            make_draw(depth_only_program(), upload(canvas.device, vertices), 0, static_cast<std::uint32_t>(vertices.size()));
         draw.depth = target;
         draw.depth_state.test = false;
         draw.stencil = {.test = true, .reference = 255, .write_mask = 1 << bit};
@@ -78,8 +78,7 @@ TEST_CASE("every depth comparison, with and without writes", "[17.9][17.11][dept
                     for (std::size_t i = 0; i < 9; ++i) {
                         const std::size_t incoming = i / 3;
                         const std::size_t stored = i % 3;
-                        const bool passes =
-                            oracle::passes(compare, static_cast<double>(incoming), static_cast<double>(stored));
+                        const bool passes = oracle::passes(compare, static_cast<double>(incoming), static_cast<double>(stored));
                         INFO(name_of(compare) << " " << format_info(format).name << " pixel " << i << " shader " << by_shader);
                         CHECK(canvas.value(color, i) == (passes ? 1.0f : 0.0f));
                         CHECK(canvas.code(depth, i) == before[passes && write ? incoming : stored]);
@@ -226,7 +225,8 @@ TEST_CASE("stencil masks colours and depth of each sample by itself", "[17.12][s
         const TextureId color = canvas.target(Format::R32Float);
         const TextureId direct = canvas.target(Format::R32Float);
         canvas.device.execute(ClearDepth{depth, 1.0f});
-        const std::vector<TestVertex> slanted{{-0.9f, 0.7f, 0.5f, 1, 1, 0}, {0.8f, 0.2f, 0.5f, 1, 1, 0}, {-0.3f, -0.95f, 0.5f, 1, 1, 0}};
+        const std::vector<TestVertex> slanted{
+            {-0.9f, 0.7f, 0.5f, 1, 1, 0}, {0.8f, 0.2f, 0.5f, 1, 1, 0}, {-0.3f, -0.95f, 0.5f, 1, 1, 0}};
         const BufferId triangle = upload(canvas.device, slanted);
         Draw mark = make_draw(depth_only_program(), triangle, 0, 3);
         mark.depth = depth;

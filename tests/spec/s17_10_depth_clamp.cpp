@@ -65,7 +65,8 @@ TEST_CASE("a shader's depth is clamped, NaN to the lower end", "[17.10][16.9.2][
             const TextureId depth = canvas.target(format);
             Image control;
             for (const float z : values) control.emplace_back(0.0f, z, 0.0f, 0.0f);
-            Draw draw = canvas.everything(image_program(1, kDepth), 0.5f, {canvas.image(Image(values.size())), canvas.image(control)});
+            Draw draw =
+                canvas.everything(image_program(1, kDepth), 0.5f, {canvas.image(Image(values.size())), canvas.image(control)});
             draw.color[0] = canvas.target(Format::R8Unorm);
             draw.depth = depth;
             draw.depth_state.compare = CompareOp::Always;

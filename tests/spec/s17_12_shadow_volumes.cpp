@@ -1,11 +1,11 @@
-// D3D11.3 17.12 at work: stencil shadow volumes count how many volumes hold each visible point, by z-pass and by z-fail, and the
-// count equals the analytic one. [Heidmann91] counts faces before the surface, [EverittKilgard02] those behind it.
+// D3D11.3 17.12 at work: stencil shadow volumes count how many volumes hold each visible point, by z-pass and by z-fail, and
+// the count equals the analytic one. [Heidmann91] counts faces before the surface, [EverittKilgard02] those behind it.
 #include "tests/oracle/random.h"
 #include "tests/oracle/samples.h"
 #include "tests/unit/output_programs.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -87,10 +87,10 @@ struct Scene {
             const int x1 = random.integer(x0 + 1, kSize);
             const int y1 = random.integer(y0 + 1, kSize);
             const double z = static_cast<double>(random.integer(1, 63)) / 64;
-            Draw draw = canvas.rectangle(depth_only_program(),
-                                         {static_cast<float>(x0), static_cast<float>(y0), static_cast<float>(x1),
-                                          static_cast<float>(y1)},
-                                         static_cast<float>(z));
+            Draw draw = canvas.rectangle(
+                depth_only_program(),
+                {static_cast<float>(x0), static_cast<float>(y0), static_cast<float>(x1), static_cast<float>(y1)},
+                static_cast<float>(z));
             draw.depth = depth;
             canvas.device.execute(draw);
             for (int y = y0; y < y1; ++y)
@@ -107,8 +107,8 @@ struct Scene {
         std::vector<TestVertex> vertices;
         for (const Tetrahedron& t : volumes)
             for (const TestVertex& v : faces_of(t)) vertices.push_back(v);
-        Draw draw = make_draw(depth_only_program(), upload(canvas.device, vertices), 0,
-                              static_cast<std::uint32_t>(vertices.size()));
+        Draw draw =
+            make_draw(depth_only_program(), upload(canvas.device, vertices), 0, static_cast<std::uint32_t>(vertices.size()));
         draw.depth = depth;
         draw.depth_state.write = false;
         draw.raster.front_counter_clockwise = false;
@@ -167,8 +167,8 @@ struct Scene {
                     const float light = canvas.value(lit, pixel, 0, 0, s);
                     if (stencil == expected && light == (expected == 0 ? 1.0f : 0.0f)) continue;
                     if (found.wrong++ == 0)
-                        found.first_wrong = fmt::format("pixel ({}, {}) sample {}: stencil {}, light {}, expected {} volumes", x,
-                                                        y, s, stencil, light, expected);
+                        found.first_wrong = fmt::format("pixel ({}, {}) sample {}: stencil {}, light {}, expected {} volumes",
+                                                        x, y, s, stencil, light, expected);
                 }
             }
         }

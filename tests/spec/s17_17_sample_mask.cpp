@@ -8,7 +8,8 @@ using namespace gnomon;
 using namespace gnomon::testing;
 
 TEST_CASE("the sample mask lets through exactly its samples, in colour, depth and stencil", "[17.17][msaa]") {
-    const std::vector<TestVertex> v{{-0.75f, 0.5f, 0.5f, 1, 1, 0}, {0.875f, 0.25f, 0.5f, 1, 1, 0}, {-0.25f, -0.875f, 0.5f, 1, 1, 0}};
+    const std::vector<TestVertex> v{
+        {-0.75f, 0.5f, 0.5f, 1, 1, 0}, {0.875f, 0.25f, 0.5f, 1, 1, 0}, {-0.25f, -0.875f, 0.5f, 1, 1, 0}};
     for (const int samples : {1, 2, 4, 8, 16}) {
         for (const std::uint32_t mask : {0u, 1u, 2u, 0x5555u, 0xaaaau, 0xffff0000u, 0xfffffffeu, 0x80008000u, 0xffffffffu}) {
             std::array<std::size_t, 2> drawn{};

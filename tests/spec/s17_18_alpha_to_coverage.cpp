@@ -35,8 +35,9 @@ std::vector<std::uint32_t> masks(Canvas& canvas, const Draw& draw) {
 Image ramp(std::size_t pixels) {
     Image colors(pixels, glm::vec4(2.0f));
     for (std::size_t i = 0; i < pixels; ++i)
-        colors[i].w = i < kAlphas.size() ? kAlphas[i]
-                                         : static_cast<float>(i - kAlphas.size()) / static_cast<float>(pixels - kAlphas.size() - 1);
+        colors[i].w = i < kAlphas.size()
+                          ? kAlphas[i]
+                          : static_cast<float>(i - kAlphas.size()) / static_cast<float>(pixels - kAlphas.size() - 1);
     return colors;
 }
 
@@ -109,7 +110,8 @@ TEST_CASE("alpha itself reaches the target unchanged, and a shader's own mask tu
     for (const float alpha : {0.0f, 0.25f, 0.75f, 1.0f}) colors.emplace_back(1.0f, 2.0f, 1.0f, alpha);
     const Image control(4, glm::vec4(0.0f, 0.0f, 15.0f, 0.0f));
     for (const bool own_mask : {false, true}) {
-        Draw draw = canvas.everything(image_program(1, own_mask ? unsigned{kCoverage} : 0u), 0.5f, {canvas.image(colors), canvas.image(control)});
+        Draw draw = canvas.everything(image_program(1, own_mask ? unsigned{kCoverage} : 0u), 0.5f,
+                                      {canvas.image(colors), canvas.image(control)});
         draw.color[0] = canvas.target(Format::Rgba32Float);
         draw.output.alpha_to_coverage = true;
         const auto found = masks(canvas, draw);

@@ -41,10 +41,10 @@ struct AllDerivatives {
         const Real x = f.position.x - Real(0.5f);
         const Real y = f.position.y - Real(0.5f);
         const Real g = x * x + y * y * Real(16.0f) + x * y;
-        return std::array<Vec4<Real>, 3>{Vec4<Real>{f.ddx_coarse(g), f.ddy_coarse(g), f.ddx_fine(g), f.ddy_fine(g)},
-                                         Vec4<Real>{f.ddx(g), f.ddy(g), f.ddx(f.in.a), f.ddy(f.in.a)},
-                                         Vec4<Real>{f.ddx_fine(f.in.b), f.ddy_fine(f.in.b), f.ddx_coarse(f.in.b),
-                                                    f.ddy_coarse(f.in.b)}};
+        return std::array<Vec4<Real>, 3>{
+            Vec4<Real>{f.ddx_coarse(g), f.ddy_coarse(g), f.ddx_fine(g), f.ddy_fine(g)},
+            Vec4<Real>{f.ddx(g), f.ddy(g), f.ddx(f.in.a), f.ddy(f.in.a)},
+            Vec4<Real>{f.ddx_fine(f.in.b), f.ddy_fine(f.in.b), f.ddx_coarse(f.in.b), f.ddy_coarse(f.in.b)}};
     }
 };
 
@@ -57,7 +57,8 @@ float g(int x, int y) { return static_cast<float>(x * x + 16 * y * y + x * y); }
 
 }  // namespace
 
-TEST_CASE("coarse, fine and plain derivatives of every corner a profile may have", "[22.5.2][22.5.3][22.5.4][22.5.5][derivatives]") {
+TEST_CASE("coarse, fine and plain derivatives of every corner a profile may have",
+          "[22.5.2][22.5.3][22.5.4][22.5.5][derivatives]") {
     constexpr int kSize = 32;
     // Triangles of every shape down to single pixels; every quad they touch has all four values, whichever lanes are covered.
     std::vector<std::array<std::array<float, 2>, 3>> triangles{{{{0, 0}, {64, 0}, {0, 64}}},
@@ -102,8 +103,10 @@ TEST_CASE("coarse, fine and plain derivatives of every corner a profile may have
                                 covered += s == 0 ? 1 : 0;
                                 const int left = x & ~1;
                                 const int top = y & ~1;
-                                const int row = top + (corner == DerivativeCorner::BottomLeft || corner == DerivativeCorner::BottomRight);
-                                const int column = left + (corner == DerivativeCorner::TopRight || corner == DerivativeCorner::BottomRight);
+                                const int row =
+                                    top + (corner == DerivativeCorner::BottomLeft || corner == DerivativeCorner::BottomRight);
+                                const int column =
+                                    left + (corner == DerivativeCorner::TopRight || corner == DerivativeCorner::BottomRight);
                                 const float coarse_x = g(left + 1, row) - g(left, row);
                                 const float coarse_y = g(column, top + 1) - g(column, top);
                                 const float fine_x = g(left + 1, y) - g(left, y);

@@ -118,9 +118,8 @@ const Program& image_program(int targets, unsigned features) {
     if (targets == 2 && features == 0) return program_of<2, 0>();
     if (targets == 8 && features == 0) return program_of<8, 0>();
     GNOMON_CHECK_EQ(targets, 1);
-    return one_target<0, kDiscards, kDepth, kCoverage, kDiscards | kDepth, kEarly, kDiscards | kEarly, kDepth | kEarly,
-                      kCoverage | kEarly, kPerSample, kDiscards | kPerSample, kDepth | kPerSample, kCoverage | kPerSample>(
-        features);
+    return one_target < 0, kDiscards, kDepth, kCoverage, kDiscards | kDepth, kEarly, kDiscards | kEarly, kDepth | kEarly,
+           kCoverage | kEarly, kPerSample, kDiscards | kPerSample, kDepth | kPerSample, kCoverage | kPerSample > (features);
 }
 const Program& layered_program() {
     static const Program program = make_program<ChooseLayer, WriteSystemValues>("test.layered");
@@ -151,15 +150,15 @@ TextureId Canvas::image(const Image& texels) {
         "image",
         {.format = Format::Rgba32Float, .width = width, .height = height, .kind = TextureKind::Array, .layers = slices});
     for (int i = 0; i < slices; ++i)
-        device.execute(WriteTexture{
-            id, 0, std::as_bytes(std::span(texels).subspan(static_cast<std::size_t>(i) * pixels(), pixels())), i});
+        device.execute(
+            WriteTexture{id, 0, std::as_bytes(std::span(texels).subspan(static_cast<std::size_t>(i) * pixels(), pixels())), i});
     return id;
 }
 
 std::vector<TestVertex> Canvas::corners(const Box& box, float z, float a, float b) const {
     const auto at = [&](float x, float y) {
-        return TestVertex{2.0f * x / static_cast<float>(width) - 1.0f, 1.0f - 2.0f * y / static_cast<float>(height), z, 1.0f,
-                          a, b};
+        return TestVertex{
+            2.0f * x / static_cast<float>(width) - 1.0f, 1.0f - 2.0f * y / static_cast<float>(height), z, 1.0f, a, b};
     };
     return {at(box.x0, box.y0), at(box.x1, box.y0), at(box.x0, box.y1),
             at(box.x1, box.y0), at(box.x1, box.y1), at(box.x0, box.y1)};

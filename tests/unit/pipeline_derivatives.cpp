@@ -180,7 +180,9 @@ TEST_CASE("a lane is a helper, discarded or outside, and one derivative counts o
     CHECK(killed.counters.derivatives_helper == 2 * 8);
     CHECK(killed.counters.invalid_derivatives == 2 * 8 * 15);
     check_report(killed, [](int x, int y) {
-        return y == 15 || x % 2 == 1 ? kUntouched : y == 14 ? std::uint32_t{kFromHelper | kFromKilled} : std::uint32_t{kFromKilled};
+        return y == 15 || x % 2 == 1 ? kUntouched
+               : y == 14             ? std::uint32_t{kFromHelper | kFromKilled}
+                                     : std::uint32_t{kFromKilled};
     });
     // Column 15 is of helpers and would be discarded: column 14 has helpers beside it and nothing discarded.
     const Outcome edge = run(program<Where::AfterDiscard>(), {.period = 16, .column = 15}, {{-4096, -4096, 15, 256}});
@@ -205,8 +207,9 @@ TEST_CASE("implicit levels of detail are derivatives, explicit ones are not", "[
 TEST_CASE("the report is the same without counters, and nothing is noted without a report", "[derivatives]") {
     for (const bool counting : {false, true}) {
         Canvas canvas(load_profile("d3d11"), kSize, kSize, 1, 3);
-        const Setup setup{.period = 4, .column = 1};
-        Draw draw = make_draw(program<Where::AfterDiscard>(), upload(canvas.device, canvas.corners({0, 0, 64, 64}, 0.5f)), 0, 6);
+        const Setup setup{.period = 4, .column = 1, .texture = canvas.image(Image(canvas.pixels()))};
+        Draw draw =
+            make_draw(program<Where::AfterDiscard>(), upload(canvas.device, canvas.corners({0, 0, 64, 64}, 0.5f)), 0, 6);
         draw.pixel_constants = constants_of(setup);
         draw.color[0] = canvas.target(Format::R32Float);
         draw.derivative_report = canvas.target(Format::R32Uint);
@@ -221,7 +224,7 @@ TEST_CASE("the report is the same without counters, and nothing is noted without
 TEST_CASE("the report of a pixel shaded per sample has the causes of all of its runs", "[derivatives][msaa]") {
     // The run for sample 1 discards column 1 of 4; the last run has nothing to say.
     Canvas canvas(load_profile("d3d11"), kSize, kSize, 4, 1);
-    const Setup setup{.period = 4, .column = 1};
+    const Setup setup{.period = 4, .column = 1, .texture = canvas.image(Image(canvas.pixels()))};
     Draw draw = make_draw(program<Where::PerSample>(), upload(canvas.device, canvas.corners({0, 0, 64, 64}, 0.5f)), 0, 6);
     draw.pixel_constants = constants_of(setup);
     draw.color[0] = canvas.target(Format::R32Float);

@@ -184,7 +184,8 @@ struct StateBench {
         indices = device.create_buffer("indices", std::as_bytes(std::span(index)));
         const std::array<float, 6> instance{};
         instances = device.create_buffer("instances", std::as_bytes(std::span(instance)));
-        draw = canvas.everything(image_program(8), 0.5f, {canvas.image(Image(32 * 8, glm::vec4(1.0f))), canvas.image(Image(32))});
+        draw =
+            canvas.everything(image_program(8), 0.5f, {canvas.image(Image(32 * 8, glm::vec4(1.0f))), canvas.image(Image(32))});
         vertices = draw.vertices;
         draw.color[0] = color;
         draw.color[1] = other;
@@ -357,7 +358,8 @@ TEST_CASE("attributes that are missing are refused", "[errors]") {
     b.refuses([&](Draw& d) { d.indices = b.indices, d.base_vertex = 1, d.count = 6; }, {"vertex 6", "6 of 6 floats"});
     b.refuses([&](Draw& d) { d.indices = b.indices, d.base_vertex = -1; }, {"vertex -1"});
     b.refuses([&](Draw& d) { d.indices = b.indices, d.base_vertex = INT_MIN; }, {"vertex -2147483648"});
-    b.refuses([&](Draw& d) { d.indices = b.indices, d.index_type = IndexType::Uint16, d.count = 13; }, {"indices 0 to 12", "12"});
+    b.refuses([&](Draw& d) { d.indices = b.indices, d.index_type = IndexType::Uint16, d.count = 13; },
+              {"indices 0 to 12", "12"});
     b.refuses([](Draw& d) { d.count = 7; }, {"vertex 6"});
     b.refuses([](Draw& d) { d.pixel_constants = {}; }, {"0 bytes", "expects"});
 }

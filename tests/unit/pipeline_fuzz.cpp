@@ -1,8 +1,8 @@
 // Random streams of draws: the number of threads, the depth hierarchy and early tests never show.
 #include "tests/determinism/fuzz_draws.h"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -46,7 +46,7 @@ TEST_CASE("a stencil test that does nothing changes no picture of a random strea
     for (const char* name : {"d3d11", "ideal", "llvmpipe", "nv40", "g80"}) {
         const Profile profile = load_profile(name);
         std::uint64_t rejected = 0;
-        for (std::uint64_t seed = 1000; seed < 1016; ++seed) {
+        for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
             const FuzzResult plain = run_fuzz_stream(profile, seed);
             const FuzzResult idle = run_fuzz_stream(profile, seed, {.idle_stencil = true});
             INFO(fmt::format("run_fuzz_stream(load_profile(\"{}\"), {}), byte {}", name, seed, first_difference(plain, idle)));

@@ -42,7 +42,8 @@ TEST_CASE("a depth-only pass shades, interpolates, blends and writes no colour",
                                                  "samples_covered", "samples_depth_tested", "samples_passed", "bytes_read",
                                                  "bytes_written"});
         // The same with a colour target that the state masks off.
-        Draw masked = canvas.everything(image_program(1), 0.25f, {canvas.image(Image(canvas.pixels())), canvas.image(Image(canvas.pixels()))});
+        Draw masked = canvas.everything(image_program(1), 0.25f,
+                                        {canvas.image(Image(canvas.pixels())), canvas.image(Image(canvas.pixels()))});
         masked.color[0] = canvas.target(Format::Rgba8Unorm);
         masked.output.blend[0] = {.enable = true, .write_mask = 0};
         masked.depth = depth;
@@ -106,7 +107,8 @@ TEST_CASE("a functor that discards is tested before it runs, and each sample onc
     canvas.device.execute(near);
     Image control(canvas.pixels());
     for (std::size_t i = 0; i < control.size(); ++i) control[i].x = i % 4 == 3 ? 1.0f : 0.0f;
-    Draw draw = canvas.everything(image_program(1, kDiscards), 0.5f, {canvas.image(Image(canvas.pixels())), canvas.image(control)});
+    Draw draw =
+        canvas.everything(image_program(1, kDiscards), 0.5f, {canvas.image(Image(canvas.pixels())), canvas.image(control)});
     draw.color[0] = canvas.target(Format::R32Float);
     draw.depth = depth;
     canvas.device.enable_counters(true);
@@ -122,7 +124,8 @@ TEST_CASE("a functor that discards is tested before it runs, and each sample onc
     CHECK(tally.of(depth).read == tally.counters.samples_depth_tested * 4);
 }
 
-TEST_CASE("what draws hold on to does not grow with triangles, resolution or samples beyond a bound", "[specialisation][memory]") {
+TEST_CASE("what draws hold on to does not grow with triangles, resolution or samples beyond a bound",
+          "[specialisation][memory]") {
     // Many triangles of about four pixels, strewn by their number.
     const auto scratch = [](std::uint32_t triangles, int size, int samples) {
         Canvas canvas(load_profile("d3d11"), size, size, samples, 2);
