@@ -49,7 +49,7 @@ std::vector<Point> cell(int step) {
 
 TEST_CASE("points at positions of a cell", "[raster][points][3.4.6]") {
     for (const int samples : oracle::kSampleCounts) {
-        const auto points = cell(9);
+        const auto points = cell(17);
         CHECK(check_points(samples, points) > points.size() * static_cast<unsigned>(samples) * 9 / 10);
     }
 }

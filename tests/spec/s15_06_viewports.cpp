@@ -95,6 +95,32 @@ TEST_CASE("fractional viewports transform in fp32 and round their edges down", "
     CHECK(drawn > 100000);
 }
 
+TEST_CASE("what lies wholly left of or above a fractional edge shows in the pixels that the edge cuts",
+          "[raster][15.7][15.4]") {
+    // From 2.35 to 2.65 in a viewport from 2.75 on: the centres at 2.5 are inside the implicit scissor, which starts at 2.
+    Canvas canvas(mark_program(), Profile{}, {.width = 12, .height = 12});
+    for (const bool left : {true, false}) {
+        const auto corner = [&](float across, float along) {
+            const float edge = across * 0.5f - 1.0f;
+            return RasterVertex{.clip = left ? std::array{edge, along, 0.5f, 1.0f} : std::array{along, -edge, 0.5f, 1.0f},
+                                .a = 1.0f};
+        };
+        canvas.clear();
+        Draw draw = canvas.draw_of(
+            {corner(-0.4f, 3), corner(-0.1f, 3), corner(-0.4f, -3), corner(-0.4f, -3), corner(-0.1f, 3), corner(-0.1f, -3)});
+        draw.viewport = {.x = 2.75f, .y = 2.75f, .width = 4.0f, .height = 4.0f};
+        canvas.execute(draw);
+        const Masks drawn = canvas.masks(1.0f);
+        for (int y = 0; y < 12; ++y)
+            for (int x = 0; x < 12; ++x) {
+                INFO("left " << left << ", pixel (" << x << ", " << y << ")");
+                const int across = left ? x : y;
+                const int along = left ? y : x;
+                CHECK((drawn.at(x, y) != 0) == (across == 2 && along >= 2 && along < 6));
+            }
+    }
+}
+
 TEST_CASE("viewports as large as the range, far outside and of no pixel", "[raster][15.6][15.7]") {
     Canvas canvas(mark_program(), Profile{}, {.width = 40, .height = 36});
     const std::array<Viewport, 9> viewports{Viewport{-32768, -32768, 65535, 65535},
