@@ -44,10 +44,10 @@ struct LaneFlow {
     /// Lanes whose instructions count.
     [[nodiscard]] std::uint32_t active() const { return counting & branch & ~killed; }
 
-    /// One derivative taken now.
+    /// One derivative taken now. A lane of the quad is bad for one reason: what helpers do makes them no worse.
     [[nodiscard]] DerivativeCauses causes() const {
         const std::uint32_t lanes = active();
-        return {lanes & quad_any(~covered & kAllLanes), lanes & quad_any(killed),
+        return {lanes & quad_any(~covered & kAllLanes), lanes & quad_any(killed & covered),
                 lanes & quad_any(~branch & covered & kAllLanes)};
     }
 };

@@ -41,6 +41,11 @@ public:
     using Scalar = typename Real::Scalar;
     /// Lanes by sample.
     using SampleMasks = std::array<std::uint32_t, kMulti ? kMaxSamples : 1>;
+    /// What all runs of the functor over a wave found, for the report.
+    struct NotedDerivatives {
+        std::uint32_t lanes = 0;  // with a sample that passed
+        DerivativeCauses causes;
+    };
 
     TileRaster(const TileState& state, int tile_x, int tile_y, Tally* tally)
         : state_(state),
@@ -236,19 +241,22 @@ private:
         }
         if (any == 0) return;
         const auto functor = state_.program->shade_wave.template get<Real>();
+        NotedDerivatives noted;
         if (functor == nullptr) {
             if (depth_ && state_.order != DepthOrder::Early) finish_depth(wave, live, nullptr);
             count_passed(live);
         } else if (state_.program->pixel.per_sample) {
             for (int s = 0; s < samples_; ++s)
-                if (live[static_cast<std::size_t>(s)] != 0) run_functor(functor, wave, live, s, depth_of(wave, s));
+                if (live[static_cast<std::size_t>(s)] != 0) run_functor(functor, wave, live, s, depth_of(wave, s), noted);
         } else {
-            run_functor(functor, wave, live, -1, centre_depth(wave));
+            run_functor(functor, wave, live, -1, centre_depth(wave), noted);
         }
+        if (state_.derivative_report != nullptr) report_derivatives(wave, noted);
     }
 
     /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
-    void run_functor(ShadeWave<Real> functor, const Wave& wave, SampleMasks live, int sample, const Real& depth) {
+    void run_functor(ShadeWave<Real> functor, const Wave& wave, SampleMasks live, int sample, const Real& depth,
+                     NotedDerivatives& noted) {
         const int first = sample < 0 ? 0 : sample;
         const int end = sample < 0 ? samples_ : sample + 1;
         std::uint32_t counting = 0;
@@ -293,7 +301,8 @@ private:
             finish_depth(wave, live, traits.writes_depth ? &result.depth : nullptr);
         count_passed(live);
         write_colors(wave, live, first, end, result);
-        if (state_.derivative_report != nullptr) report_derivatives(wave, live, result.causes);
+        noted.causes |= result.causes;
+        for (int s = first; s < end; ++s) noted.lanes |= live[static_cast<std::size_t>(s)];
     }
 
     /// The tests that were put off, and their writes.
@@ -307,10 +316,12 @@ private:
     /// Depth and stencil of the lanes in `mask` at sample s: those that pass. D3D11.3 17.9 to 17.12
     std::uint32_t test(const Wave& wave, std::uint32_t mask, const Real& z, int s, bool writes) {
         const StencilState& stencil = depth_->stencil();
+        // Where the writes were put off the samples were tested before: asking again is no second test.
+        const bool counts = tally_ != nullptr && !(writes && state_.order == DepthOrder::EarlyTest);
         std::uint32_t passed = mask;
         if (stencil.test) {
             passed = depth_->test_stencil(wave, mask, s, primitive_->front);
-            if (tally_ != nullptr) {
+            if (counts) {
                 tally_->counters.samples_stencil_tested += count(mask);
                 tally_->read(state_.depth_view.texture, count(mask));
             }
@@ -326,12 +337,12 @@ private:
                 for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
                     hierarchy_->forget(wave.quad_x[q], wave.quad_y[q]);
             }
-            if (tally_ != nullptr) {
-                const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
+            const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
+            if (counts) {
                 tally_->counters.samples_depth_tested += count(stencil_passed);
                 tally_->read(state_.depth_view.texture, count(stencil_passed) * bytes);
-                if (stores) tally_->write(state_.depth_view.texture, count(passed) * bytes);
             }
+            if (tally_ != nullptr && stores) tally_->write(state_.depth_view.texture, count(passed) * bytes);
         }
         if (stencil.test && writes) {
             const StencilFace& face = primitive_->front ? stencil.front : stencil.back;
@@ -343,7 +354,8 @@ private:
     }
     void update_stencil(const Wave& wave, std::uint32_t mask, int s, StencilOp op) {
         depth_->update_stencil(wave, mask, s, op);
-        if (tally_ != nullptr && op != StencilOp::Keep) tally_->write(state_.depth_view.texture, count(mask));
+        if (tally_ != nullptr && op != StencilOp::Keep && depth_->stencil().write_mask != 0)
+            tally_->write(state_.depth_view.texture, count(mask));
     }
 
     void write_colors(const Wave& wave, const SampleMasks& live, int first, int end, const PixelResult<Real>& result) {
@@ -360,10 +372,9 @@ private:
         }
     }
 
-    void report_derivatives(const Wave& wave, const SampleMasks& live, const DerivativeCauses& causes) {
-        std::uint32_t any = 0;
-        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) any |= live[s];
-        for (std::uint32_t rest = any; rest != 0; rest &= rest - 1) {
+    void report_derivatives(const Wave& wave, const NotedDerivatives& noted) {
+        const DerivativeCauses& causes = noted.causes;
+        for (std::uint32_t rest = noted.lanes; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
             const std::uint32_t bit = 1u << lane;
             const std::uint32_t texel = ((causes.helper & bit) != 0 ? kFromHelper : 0u) |

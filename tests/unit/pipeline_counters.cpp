@@ -1,5 +1,5 @@
 // Counters on scenes small enough to count by hand.
-#include "tests/unit/pipeline_programs.h"
+#include "tests/unit/output_programs.h"
 
 #include <catch2/catch.hpp>
 
@@ -121,4 +121,199 @@ TEST_CASE("counters stay zero while off and add up while on", "[counters]") {
     device.execute(draw);
     CHECK(device.take_counters().samples_covered == 128);
     CHECK(device.take_counters() == Counters{});
+}
+
+namespace {
+
+/// A canvas of 8x8 with a colour and a depth target, cleared, and counting from then on.
+struct CountingBench {
+    Canvas canvas;
+    TextureId color, depth, colors, control;
+
+    CountingBench(int samples, Format color_format, Format depth_format, int threads = 1)
+        : canvas(load_profile("d3d11"), 8, 8, samples, threads) {
+        color = canvas.target(color_format);
+        depth = canvas.target(depth_format);
+        colors = canvas.image(Image(64));
+        control = canvas.image(Image(64));
+        canvas.device.execute(ClearDepth{depth, 1.0f});
+        canvas.device.enable_counters(true);
+    }
+    Draw draw(const Box& box, float z, unsigned features = 0) {
+        Draw draw = canvas.rectangle(image_program(1, features), box, z, {colors, control});
+        draw.color[0] = color;
+        return draw;
+    }
+    Tally run(const Draw& draw) {
+        canvas.device.execute(draw);
+        return canvas.device.take_tally();
+    }
+};
+
+// Rectangles whose diagonals pass no pixel of the canvas, so that one of their triangles covers all: [0, w) x [0, h).
+constexpr Box columns(float end) { return {-4096, -4096, end, 256}; }
+
+}  // namespace
+
+TEST_CASE("counters and traffic of a multisampled pass", "[counters][msaa]") {
+    for (const int threads : {1, 3}) {
+        CountingBench bench(4, Format::Rgba8Unorm, Format::D24UnormS8, threads);
+        // Left six columns: three quads wide, four high. D24 takes 3 bytes a sample, stencil 1.
+        Draw draw = bench.draw(columns(6), 0.5f);
+        draw.depth = bench.depth;
+        const Tally tally = bench.run(draw);
+        const Counters& c = tally.counters;
+        CHECK(c.vertices == 6);
+        CHECK(c.primitives_in == 2);
+        CHECK(c.primitives_drawn + c.primitives_culled == 2);
+        CHECK(c.samples_covered == 48 * 4);
+        CHECK(c.quads_covered == 12);
+        CHECK(c.samples_depth_tested == 48 * 4);
+        CHECK(c.samples_stencil_tested == 0);
+        CHECK(c.samples_passed == 48 * 4);
+        CHECK(c.quads_shaded == 12);
+        CHECK(c.values_interpolated == 24);
+        CHECK(c.lanes_shaded == 48);
+        CHECK(c.lanes_helper == 0);
+        CHECK(c.samples_written == 48 * 4);
+        CHECK(c.samples_blended == 0);
+        CHECK(c.texture_instructions == 48);
+        CHECK(c.texels_fetched == 48);
+        CHECK(c.texture_probes == 0);
+        CHECK(tally.of(bench.color) == Bytes{.read = 0, .written = 48 * 4 * 4});
+        CHECK(tally.of(bench.depth) == Bytes{.read = 48 * 4 * 3, .written = 48 * 4 * 3});
+        CHECK(tally.of(bench.colors) == Bytes{.read = 48 * 16, .written = 0});
+        CHECK(tally.of(bench.control) == Bytes{});
+        CHECK(tally.of(draw.vertices) == Bytes{.read = 6 * 24, .written = 0});
+        CHECK(c.bytes_read == 48 * 4 * 3 + 48 * 16 + 6 * 24);
+        CHECK(c.bytes_written == 48 * 4 * 4 + 48 * 4 * 3);
+    }
+}
+
+TEST_CASE("a sample mask, sample frequency and partial coverage are counted as they are", "[counters][msaa]") {
+    CountingBench bench(4, Format::R32Float, Format::D16);
+    // The rectangle ends at x = 5.5: samples 0 and 2 of column 5 (at 6/16 and 2/16) are inside, 1 and 3 are not.
+    Draw draw = bench.draw(columns(5.5f), 0.5f);
+    Tally tally = bench.run(draw);
+    CHECK(tally.counters.samples_covered == 5 * 8 * 4 + 8 * 2);
+    CHECK(tally.counters.lanes_shaded == 48);
+    CHECK(tally.counters.samples_written == 5 * 8 * 4 + 8 * 2);
+    // Without samples 0 and 2 column 5 has nothing left; its pixels are helpers of column 4.
+    draw.output.sample_mask = 0b1010;
+    tally = bench.run(draw);
+    CHECK(tally.counters.samples_covered == 5 * 8 * 2);
+    CHECK(tally.counters.lanes_shaded == 40);
+    CHECK(tally.counters.lanes_helper == 8);
+    // Per sample: 40 pixels with four runs, 8 with two, in 12 quads; in a run for sample 1 or 3 column 5 helps.
+    draw.output.sample_mask = ~0u;
+    draw.program = &image_program(1, kPerSample);
+    tally = bench.run(draw);
+    CHECK(tally.counters.quads_shaded == 12 * 4);
+    CHECK(tally.counters.lanes_shaded == 40 * 4 + 8 * 2);
+    CHECK(tally.counters.lanes_helper == 8 * 2);
+    CHECK(tally.counters.values_interpolated == 12 * 4 * 2);
+    CHECK(tally.counters.samples_written == 5 * 8 * 4 + 8 * 2);
+}
+
+TEST_CASE("blending, write masks and several targets are counted per target", "[counters][blend]") {
+    CountingBench bench(1, Format::Rgba16Float, Format::D16);
+    Draw draw = bench.draw(columns(8), 0.5f);
+    draw.program = &image_program(8);
+    draw.color[3] = bench.canvas.target(Format::R8Unorm);
+    draw.color[5] = bench.canvas.target(Format::Rgba32Float);
+    draw.output.blend[0].enable = true;
+    draw.output.blend[5].enable = true;
+    draw.output.blend[5].write_mask = 0;  // not written at all, so not read
+    draw.output.blend[3].write_mask = 1;
+    bench.canvas.device.take_tally();
+    const Tally tally = bench.run(draw);
+    CHECK(tally.counters.samples_written == 128);
+    CHECK(tally.counters.samples_blended == 64);
+    CHECK(tally.counters.samples_passed == 64);
+    CHECK(tally.of(draw.color[0].texture) == Bytes{.read = 64 * 8, .written = 64 * 8});
+    CHECK(tally.of(draw.color[3].texture) == Bytes{.read = 0, .written = 64});
+    CHECK(tally.of(draw.color[5].texture) == Bytes{});
+}
+
+TEST_CASE("stencil, late depth and discards are counted exactly", "[counters][stencil]") {
+    CountingBench bench(1, Format::R8Unorm, Format::D32FloatS8);
+    // Left half of the stencil buffer is 1; depth passes there and in the right half only in front.
+    Draw mark = bench.draw(columns(4), 0.25f);
+    mark.program = &depth_only_program();
+    mark.pixel_constants = {};
+    mark.color[0] = TextureId::None;
+    mark.depth = bench.depth;
+    mark.stencil = {.test = true, .reference = 1};
+    mark.stencil.front.pass = mark.stencil.back.pass = StencilOp::Replace;
+    Tally tally = bench.run(mark);
+    CHECK(tally.counters.samples_stencil_tested == 32);
+    CHECK(tally.counters.samples_depth_tested == 32);
+    CHECK(tally.counters.samples_passed == 32);
+    CHECK(tally.counters.quads_shaded == 0);
+    CHECK(tally.of(bench.depth) == Bytes{.read = 32 + 32 * 4, .written = 32 + 32 * 4});
+
+    // Everywhere at 0.5: stencil passes in the right half, where 24 of the 32 pixels stay and depth passes.
+    Image control(64);
+    for (std::size_t i = 0; i < 64; ++i) control[i].x = i % 8 == 7 ? 1.0f : 0.0f;
+    bench.canvas.device.execute(WriteTexture{bench.control, 0, std::as_bytes(std::span(control))});
+    bench.canvas.device.take_tally();
+    Draw draw = bench.draw(columns(8), 0.5f, kDiscards);
+    draw.depth = bench.depth;
+    draw.stencil = {.test = true, .reference = 0};
+    draw.stencil.front = draw.stencil.back = {.compare = CompareOp::Equal, .fail = StencilOp::Zero, .pass = StencilOp::Keep};
+    tally = bench.run(draw);
+    CHECK(tally.counters.lanes_shaded == 64);
+    CHECK(tally.counters.lanes_discarded == 8);
+    CHECK(tally.counters.samples_stencil_tested == 56);
+    CHECK(tally.counters.samples_depth_tested == 24);
+    CHECK(tally.counters.samples_passed == 24);
+    CHECK(tally.counters.samples_written == 24);
+    CHECK(tally.counters.texels_fetched == 128);
+    CHECK(tally.of(bench.depth) == Bytes{.read = 56 + 24 * 4, .written = 32 + 24 * 4});
+    // Operations that the write mask keeps from every bit write nothing.
+    draw.stencil.write_mask = 0;
+    draw.stencil.front.compare = draw.stencil.back.compare = CompareOp::Never;
+    tally = bench.run(draw);
+    CHECK(tally.of(bench.depth) == Bytes{.read = 56, .written = 0});
+}
+
+TEST_CASE("clears, resolves and mips count their bytes", "[counters][resolve]") {
+    CountingBench bench(4, Format::Rgba16Float, Format::D24UnormS8);
+    Device& device = bench.canvas.device;
+    const TextureId mean = device.create_texture("mean", {.format = Format::Rgba16Float, .width = 8, .height = 8, .levels = 4});
+    device.take_tally();
+    device.execute(ClearColor{bench.color, glm::vec4(1.0f)});
+    device.execute(ClearDepth{bench.depth, 1.0f});
+    device.execute(ClearStencil{bench.depth, 1});
+    Tally tally = device.take_tally();
+    CHECK(tally.of(bench.color) == Bytes{.read = 0, .written = 256 * 8});
+    CHECK(tally.of(bench.depth) == Bytes{.read = 0, .written = 256 * 3 + 256});
+    device.execute(Resolve{bench.color, mean});
+    tally = device.take_tally();
+    CHECK(tally.counters.samples_resolved == 256);
+    CHECK(tally.of(bench.color) == Bytes{.read = 256 * 8, .written = 0});
+    CHECK(tally.of(mean) == Bytes{.read = 0, .written = 64 * 8});
+    device.execute(GenerateMips{mean});
+    tally = device.take_tally();
+    CHECK(tally.of(mean) == Bytes{.read = (64 + 16 + 4) * 8, .written = (16 + 4 + 1) * 8});
+    CHECK(tally.counters.bytes_read == (64 + 16 + 4) * 8);
+    // Reports name what was touched, textures first.
+    const auto traffic = device.traffic(tally);
+    REQUIRE(traffic.size() == 1);
+    CHECK(traffic[0].label == "mean");
+}
+
+TEST_CASE("indices and instances count what is fetched", "[counters]") {
+    CountingBench bench(1, Format::R8Unorm, Format::D16);
+    const std::array<std::uint16_t, 6> indices{0, 1, 2, 2, 1, 0};
+    Draw draw = bench.draw(columns(8), 0.5f);
+    draw.indices = bench.canvas.device.create_buffer("indices", std::as_bytes(std::span(indices)));
+    draw.index_type = IndexType::Uint16;
+    draw.instance_count = 3;
+    bench.canvas.device.take_tally();
+    const Tally tally = bench.run(draw);
+    CHECK(tally.counters.vertices == 3 * 3);
+    CHECK(tally.counters.primitives_in == 3 * 2);
+    CHECK(tally.of(draw.indices) == Bytes{.read = 3 * 6 * 2, .written = 0});
+    CHECK(tally.of(draw.vertices) == Bytes{.read = 9 * 24, .written = 0});
 }
