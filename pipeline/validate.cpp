@@ -95,6 +95,8 @@ private:
             if (desc.format != Format::R32Uint || desc.samples != 1 || desc.kind != TextureKind::Flat)
                 refuse("derivative report in {} with {} samples, expected flat r32ui with one", report_->info().name,
                        desc.samples);
+            for (std::size_t i = 0; i < context_.color.size(); ++i)
+                if (context_.color[i].texture == report_) refuse("derivative report is colour target {} as well", i);
             if (sized_ != nullptr && (report_->width(0) != width_ || report_->height(0) != height_))
                 refuse("derivative report of {}x{} pixels, expected {}x{} as the targets", report_->width(0),
                        report_->height(0), width_, height_);
@@ -234,7 +236,7 @@ private:
         return true;
     }
 
-    /// When depth is tested. D3D11.3 16.12
+    /// When depth is tested. D3D11.3 16.12.1, 16.12.2
     DepthOrder depth_order() const {
         const PixelTraits& pixel = program_->pixel;
         const bool masks = pixel.discards || pixel.writes_coverage || (draw_.output.alpha_to_coverage && pixel.targets > 0);
