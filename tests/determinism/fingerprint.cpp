@@ -7,6 +7,7 @@
 #include "sim/math.h"
 #include "sim/parallel.h"
 #include "techniques/frame.h"
+#include "tests/determinism/fuzz_draws.h"
 #include "texunit/mipmap.h"
 #include "texunit/record.h"
 
@@ -167,6 +168,24 @@ void fingerprint_primitives(const std::string& profile, int threads) {
     fmt::print("primitive/{}/counters{}\n", profile, counts);
 }
 
+/// Random draws with random state, five streams to a line.
+void fingerprint_fuzz(const std::string& profile, std::uint64_t streams, int threads) {
+    constexpr std::uint64_t kPerLine = 5;
+    for (std::uint64_t first = 0; first < streams; first += kPerLine) {
+        std::vector<std::byte> bytes;
+        Counters total;
+        for (std::uint64_t seed = first; seed < first + kPerLine; ++seed) {
+            const auto result = testing::run_fuzz_stream(load_profile(profile), seed, {.threads = threads});
+            bytes.insert(bytes.end(), result.bytes.begin(), result.bytes.end());
+            total += result.counters;
+        }
+        print_hash(fmt::format("fuzz/{}/{}", profile, first), bytes.data(), bytes.size());
+        std::string counts;
+        for_each_field(total, [&](std::string_view, std::uint64_t count) { counts += fmt::format(" {}", count); });
+        fmt::print("fuzz/{}/{}/counters{}\n", profile, first, counts);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -194,6 +213,9 @@ int main(int argc, char** argv) {
     }
 
     for (const char* profile : {"d3d11", "ideal"}) fingerprint_primitives(profile, threads);
+    static_assert(50 * testing::kDrawsPerStream >= 500);
+    fingerprint_fuzz("d3d11", 50, threads);
+    fingerprint_fuzz("ideal", 10, threads);
 
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();
