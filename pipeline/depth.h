@@ -22,7 +22,7 @@ struct DepthRange {
     Scalar most = 1;
 };
 
-/// Clamp to the viewport's range (NaN gives its lower end) and convert to the format. D3D11.3 17.10, 17.11
+/// Clamp to the viewport's range (NaN gives its lower end) and convert to the format. D3D11.3 16.9.2.1, 17.10, 17.11
 template <class Real>
 Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type) {
     const Real limited = clamp(z, Real(range.least), Real(range.most));

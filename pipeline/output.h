@@ -1,4 +1,4 @@
-// Colours to targets: blending, conversion to the format and the write mask of a wave. D3D11.3 17.1, 17.15, 3.2
+// Colours to targets: blending, conversion to the format and the write mask of a wave. D3D11.3 17.1, 17.4, 17.15, 3.2
 #pragma once
 
 #include "pipeline/blend.h"
