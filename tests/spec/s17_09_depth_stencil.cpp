@@ -5,6 +5,7 @@
 #include "tests/unit/output_programs.h"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 using namespace gnomon;

@@ -1,6 +1,7 @@
 // D3D11.3 17.18: alpha of the first colour becomes a mask: nothing at 0, everything at 1, never less for more.
 #include "tests/unit/output_programs.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include <limits>

@@ -198,8 +198,10 @@ struct StateBench {
     [[nodiscard]] std::vector<std::byte> bytes() const {
         std::vector<std::byte> all;
         for (const TextureId id : {color, other, depth}) {
-            const Texture& texture = canvas.device.texture(id);
-            all.insert(all.end(), texture.data(), texture.data() + texture.size_bytes() / 2);
+            for (int s = 0; s < canvas.samples; ++s) {
+                const auto plane = canvas.device.texture(id).level_bytes(0, 0, s);
+                all.insert(all.end(), plane.begin(), plane.end());
+            }
         }
         return all;
     }

@@ -2,6 +2,8 @@
 #include "tests/determinism/fuzz_draws.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 using namespace gnomon;
