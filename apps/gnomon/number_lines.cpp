@@ -39,13 +39,13 @@ std::vector<InputLine> read_lines() {
 std::optional<double> number_of(const std::string& word) {
     char* end = nullptr;
     const double value = std::strtod(word.c_str(), &end);
-    return *end == '\0' && end != word.c_str() ? std::optional(value) : std::nullopt;
+    return !word.empty() && end == word.c_str() + word.size() ? std::optional(value) : std::nullopt;
 }
 
 std::optional<float> float_of(const std::string& word) {
     char* end = nullptr;
     const float value = std::strtof(word.c_str(), &end);
-    return *end == '\0' && end != word.c_str() ? std::optional(value) : std::nullopt;
+    return !word.empty() && end == word.c_str() + word.size() ? std::optional(value) : std::nullopt;
 }
 
 }  // namespace gnomon::cli

@@ -91,7 +91,7 @@ TEST_CASE("gnomon coverage of a triangle counted by hand", "[cli][coverage][3.4.
     CHECK(gnomon_run(folder, "coverage --size 8x8", "1 1 1 5 5 1\n").out == expected);  // either winding
 
     // One pixel with four samples at (6, 2), (14, 6), (2, 10), (10, 14) sixteenths: the left half has the first and the third.
-    CHECK(gnomon_run(folder, "coverage --size 1x1 --samples 4", "0 -9 0.5 -9 0 9\n").out == "0 0 0 1\n");
+    CHECK(gnomon_run(folder, "coverage --size 1x1 --samples 4", "0.5 -20 0.5 20 -20 0\n").out == "0 0 0 5\n");
     CHECK(gnomon_run(folder, "coverage --size 1x1 --samples 4", "-64 0.5 0.5 0.5 0.5 64\n").out == "0 0 0 4\n");
     CHECK(gnomon_run(folder, "coverage --size 1x1 --samples 16", "-9 -9 99 -9 -9 99\n").out == "0 0 0 ffff\n");
 

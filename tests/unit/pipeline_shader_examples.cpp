@@ -177,8 +177,12 @@ public:
     static constexpr int kSide = 4;
 
     TextureId target(Format format, int samples = 1, int layers = 1) {
-        return device.create_texture("target",
-                                     {.format = format, .width = kSide, .height = kSide, .layers = layers, .samples = samples});
+        return device.create_texture("target", {.format = format,
+                                                .width = kSide,
+                                                .height = kSide,
+                                                .kind = layers > 1 ? TextureKind::Array : TextureKind::Flat,
+                                                .layers = layers,
+                                                .samples = samples});
     }
 
     template <class Vertex, class Pixel>
