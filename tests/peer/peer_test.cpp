@@ -3,6 +3,7 @@
 #define CATCH_CONFIG_RUNNER
 #include "tests/peer/peer.h"
 #include "sim/error.h"
+#include "tests/peer/raw_pass.h"
 #include "tests/peer/test_scenes.h"
 
 #include <fmt/format.h>
@@ -241,6 +242,37 @@ TEST_CASE("a frame renders the same again, and after timing", "[peer][device]") 
         CHECK(first.map == second.map);
         REQUIRE(times.size() == 3);
         CHECK(std::all_of(times.begin(), times.end(), [](double ms) { return ms > 0; }));
+    });
+}
+
+TEST_CASE("a raw pass draws its half of the target, however it is shaded", "[peer][device]") {
+    // The left half, at depth 0.25, with coordinates 0.25 and 0.75 all over.
+    RawMesh half;
+    for (const glm::vec2 corner : {glm::vec2(-1, -1), glm::vec2(0, -1), glm::vec2(-1, 1), glm::vec2(0, 1)})
+        half.vertices.push_back({{corner, 0.25f}, {0.25f, 0.75f}});
+    half.indices = {0, 1, 2, 1, 3, 2};
+    on_each_device([&](const Peer& peer) {
+        const auto image = [&](RawShading shading, int samples) {
+            RawPassRenderer renderer(peer, {.mesh = half, .shading = shading, .samples = samples, .width = 64, .height = 48});
+            CHECK(renderer.time_once() > 0);
+            return renderer.render();
+        };
+        const RawImage depth = image(RawShading::DepthOnly, 1);
+        CHECK(depth.covered == 32 * 48);
+        CHECK(depth.mean == Approx((0.25 + 1) / 2));
+        for (const int samples : {1, 4}) {
+            INFO(samples << " samples");
+            const RawImage plain = image(RawShading::Plain, samples);
+            CHECK(plain.covered == 32 * 48);
+            CHECK(plain.mean == Approx((0.25 + 0.75 + 0.5 + 1) / 2).margin(2.0 / 255));
+        }
+        // Constant coordinates have no footprint: both filters read the finest level.
+        const RawImage bilinear = image(RawShading::Bilinear, 1);
+        const RawImage trilinear = image(RawShading::Trilinear, 1);
+        CHECK(bilinear.covered == 32 * 48);
+        CHECK(bilinear.mean > 0.6);
+        CHECK(trilinear.mean == Approx(bilinear.mean).margin(2.0 / 255));
+        CHECK_THROWS_AS(RawPassRenderer(peer, {.mesh = half, .shading = RawShading::DepthOnly, .samples = 4}), Error);
     });
 }
 
