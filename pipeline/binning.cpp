@@ -9,6 +9,8 @@ namespace gnomon {
 namespace {
 
 constexpr std::uint64_t kChunkPrimitives = 1024;
+// A chunk ends early where its bins grow beyond this: large primitives on a large target fall into many tiles each.
+constexpr std::size_t kChunkBins = 1u << 17;
 
 /// Whether a whole tile lies outside one edge: the edge function is negative even at the tile's most inner sample.
 bool tile_outside(const Edge& edge, int x0, int y0, const PixelRect& samples) {
@@ -267,29 +269,40 @@ void project_vertices(const VertexBlock<Scalar>& vertices, const SetupState& sta
 }
 
 template <class Scalar>
-void bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
-                    bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out) {
+std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
+                             bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out) {
     const auto chunks = static_cast<std::size_t>((end - begin + kChunkPrimitives - 1) / kChunkPrimitives);
     if (out.chunks.size() < chunks) out.chunks.resize(chunks);
-    for (auto& chunk : out.chunks) {
+    const auto clear = [](PrimitiveChunk<Scalar>& chunk) {
         chunk.pieces.clear();
         chunk.bins.clear();
         chunk.clipped.clear();
+        chunk.taken = 0;
         chunk.counters = {};
-    }
+    };
+    for (auto& chunk : out.chunks) clear(chunk);
     workers.for_each(chunks, [&](std::size_t c) {
         const DenormalScope denormals(flush_denormals);
-        ChunkBuilder<Scalar> builder(input, projected, out.chunks[c]);
+        PrimitiveChunk<Scalar>& chunk = out.chunks[c];
+        ChunkBuilder<Scalar> builder(input, projected, chunk);
         const std::uint64_t first = begin + c * kChunkPrimitives;
-        for (std::uint64_t p = first; p < std::min(end, first + kChunkPrimitives); ++p) builder.add(p);
+        const std::uint64_t count = std::min(end - first, kChunkPrimitives);
+        for (; chunk.taken < count && chunk.bins.size() < kChunkBins; ++chunk.taken) builder.add(first + chunk.taken);
     });
-    collect_bins(input.tiles, out, chunks);
+
+    // Where a chunk ended early, the batch ends with it: those behind wait for the next.
+    std::uint64_t taken = 0;
+    std::size_t kept = 0;
+    while (kept < chunks && taken == kept * kChunkPrimitives) taken += out.chunks[kept++].taken;
+    for (std::size_t c = kept; c < chunks; ++c) clear(out.chunks[c]);
+    collect_bins(input.tiles, out, kept);
+    return begin + taken;
 }
 
 #define GNOMON_INSTANTIATE(Scalar)                                                                                             \
     template void project_vertices(const VertexBlock<Scalar>&, const SetupState&, Workers&, bool, ProjectedVertices<Scalar>&); \
-    template void bin_primitives(const BinningInput<Scalar>&, std::uint64_t, std::uint64_t, Workers&, bool,                    \
-                                 const ProjectedVertices<Scalar>&, BinnedPrimitives<Scalar>&);
+    template std::uint64_t bin_primitives(const BinningInput<Scalar>&, std::uint64_t, std::uint64_t, Workers&, bool,           \
+                                          const ProjectedVertices<Scalar>&, BinnedPrimitives<Scalar>&);
 GNOMON_INSTANTIATE(float)
 GNOMON_INSTANTIATE(double)
 #undef GNOMON_INSTANTIATE

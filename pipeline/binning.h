@@ -19,6 +19,7 @@ struct PrimitiveChunk {
     std::vector<Primitive<Scalar>> pieces;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> bins;  // (tile, index into pieces), in primitive order
     std::vector<std::unique_ptr<Scalar[]>> clipped;             // vertices that clipping made
+    std::uint64_t taken = 0;                                    // primitives
     Counters counters;
 };
 
@@ -59,10 +60,11 @@ struct BinningInput {
     int tiles = 0;    // in all
 };
 
-/// Bins primitives [begin, end) of the instances that the block holds, counted through.
+/// Bins primitives [begin, end) of the instances that the block holds, counted through, or as many of them as leave the bins
+/// within their bound; returns one past the last.
 template <class Scalar>
-void bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
-                    bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out);
+std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
+                             bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out);
 
 /// Projects all vertices of a block, where all primitives share the first viewport.
 template <class Scalar>

@@ -115,9 +115,9 @@ private:
                                          .state = context_.setup,
                                          .tiles_x = context_.tiles_x,
                                          .tiles = context_.tiles_x * context_.tiles_y};
-        for (std::uint64_t batch = begin; batch < end; batch += kBatchPrimitives) {
-            bin_primitives(input, batch, std::min(end, batch + kBatchPrimitives), machine_.workers, flush, scratch_.projected,
-                           scratch_.primitives);
+        for (std::uint64_t next = begin; next < end;) {
+            next = bin_primitives(input, next, std::min(end, next + kBatchPrimitives), machine_.workers, flush,
+                                  scratch_.projected, scratch_.primitives);
             draw_tiles();
         }
         if (machine_.tally != nullptr) count_vertices(fetch, begin == 0);

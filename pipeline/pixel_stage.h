@@ -92,8 +92,8 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const std::int32_t x0 = primitive.x0;
     const std::int32_t y0 = primitive.y0;
 
-    // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the pixel in
-    // runs per sample too. D3D11.3 3.5.4.1.1
+    // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the
+    // pixel in runs per sample too. D3D11.3 3.5.4.1.1
     const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     const auto centroid_point = [&]() -> EvaluationPoint<Real> {

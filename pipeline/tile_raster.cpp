@@ -110,7 +110,7 @@ private:
     /// Few pixels: the cost of a look at blocks is more than they are worth.
     [[nodiscard]] bool is_small() const {
         const PixelRect& bounds = primitive_->bounds;
-        return bounds.x1 - bounds.x0 <= kBlockSize && bounds.y1 - bounds.y0 <= kBlockSize;
+        return bounds.x1 - bounds.x0 + bounds.y1 - bounds.y0 < kBlockSize;
     }
 
     void draw_small_triangle() {

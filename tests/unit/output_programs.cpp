@@ -130,7 +130,7 @@ const Program& layered_depth_program() {
     return program;
 }
 
-const Program& instanced_program() {
+const Program& per_instance_program() {
     static const Program program = make_program<MoveByInstance>("test.instanced");
     return program;
 }

@@ -34,7 +34,7 @@ const Program& layered_program();
 const Program& layered_depth_program();
 
 /// Depth only; two floats per instance move it.
-const Program& instanced_program();
+const Program& per_instance_program();
 
 using Image = std::vector<glm::vec4>;
 

@@ -436,7 +436,7 @@ TEST_CASE("a program with instance inputs needs its instances", "[errors]") {
     const TextureId depth = device.create_texture("depth", {.format = Format::D16, .width = 8, .height = 4});
     const std::vector<TestVertex> v{{-1, 1, 0.5f, 1, 5, 0}, {3, 1, 0.5f, 1, 5, 0}, {-1, -3, 0.5f, 1, 5, 0}};
     const std::vector<float> offsets(5);  // two instances of two floats, and half of one
-    Draw draw = make_draw(instanced_program(), upload(device, v), 0, 3);
+    Draw draw = make_draw(per_instance_program(), upload(device, v), 0, 3);
     draw.depth = depth;
     CHECK_THROWS_AS(device.execute(draw), Error);
     draw.instances = device.create_buffer("instances", std::as_bytes(std::span(offsets)));
