@@ -41,7 +41,7 @@ void check_coverage(RasterPeer& machine, Driver driver, TriangleKind kind, const
 
 TEST_CASE("coverage of triangles", "[agree][device][coverage]") {
     on_each_driver([](RasterPeer& machine, Driver driver) {
-        for (const TriangleKind kind : kTriangleKinds) check_coverage(machine, driver, kind, {32, 32, 2000});
+        for (const TriangleKind kind : kTriangleKinds) check_coverage(machine, driver, kind, {32, 32, 1000});
     });
 }
 
@@ -54,8 +54,8 @@ TEST_CASE("coverage of a hundred thousand triangles", "[.full][agree][device][co
 TEST_CASE("coverage in large and odd viewports", "[agree][device][coverage]") {
     on_each_driver([](RasterPeer& machine, Driver driver) {
         for (const TriangleKind kind : kTriangleKinds) {
-            check_coverage(machine, driver, kind, {37, 21, 600});
-            check_coverage(machine, driver, kind, {700, 500, 25});
+            check_coverage(machine, driver, kind, {37, 21, 300});
+            check_coverage(machine, driver, kind, {700, 500, 10});
         }
     });
 }
@@ -63,8 +63,8 @@ TEST_CASE("coverage in large and odd viewports", "[agree][device][coverage]") {
 TEST_CASE("coverage in a scissor inside of the viewport", "[agree][device][coverage]") {
     on_each_driver([](RasterPeer& machine, Driver driver) {
         for (const TriangleKind kind : kTriangleKinds) {
-            check_coverage(machine, driver, kind, {32, 32, 2000, 5});
-            check_coverage(machine, driver, kind, {150, 200, 100, 11});
+            check_coverage(machine, driver, kind, {32, 32, 1000, 5});
+            check_coverage(machine, driver, kind, {150, 200, 50, 11});
         }
     });
 }

@@ -254,5 +254,24 @@ TEST_CASE("without drivers their models agree", "[agree][model]") {
     }
 }
 
+/// Each field is needed: with the specification's choice something is drawn differently.
+TEST_CASE("with a guard band or other planes they differ", "[agree][model]") {
+    for (const Driver driver : {Driver::Llvmpipe, Driver::SwiftShader}) {
+        INFO("driver " << static_cast<int>(driver));
+        const Reference reference = model_reference(driver);
+        Profile profile = profile_of(driver);
+        profile.clipping = Clipping::GuardBand;
+        GnomonRaster guarded(profile);
+        const auto triangles = random_triangles(TriangleKind::Large, 1000, 32, 32, 1);
+        CHECK(guarded.coverage({}, triangles) != reference.coverage({}, triangles));
+
+        profile = profile_of(driver);
+        profile.plane_equations = PlaneEquations::Barycentric;
+        GnomonRaster barycentric(profile);
+        const DepthDraw draw = random_depth(TriangleKind::Any, 0, DepthFormat::D32f, 1);
+        CHECK(barycentric.depth(draw) != reference.depth(draw));
+    }
+}
+
 }  // namespace
 }  // namespace gnomon::agree
