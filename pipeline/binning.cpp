@@ -1,5 +1,7 @@
 #include "pipeline/binning.h"
 
+#include "pipeline/peer_clip.h"
+#include "pipeline/peer_setup.h"
 #include "sim/denormals.h"
 
 #include <algorithm>
@@ -73,7 +75,7 @@ private:
     SetupVertex<Scalar> setup_vertex(std::size_t position) const {
         const Scalar* from = record(position);
         if (!projected_.screen.empty()) return {from, projected_.screen[position]};
-        return {from, project(from, viewport_->viewport, state_.subpixel_bits)};
+        return {from, project(from, viewport_->viewport, state_)};
     }
 
     bool add_point(std::size_t at, const PrimitiveHead<Scalar>& head) {
@@ -108,10 +110,18 @@ private:
         const bool wide = state_.raster.fill == FillMode::Wireframe;
         if (((c0 | c1 | c2) & kNotFinite) != 0 || (c0 & c1 & c2 & (wide ? kClipPlanes : ~0u)) != 0) return false;
         const std::uint32_t planes = (c0 | c1 | c2) & kClipPlanes;
-        if (planes != 0) return add_clipped({record(at[0]), record(at[1]), record(at[2])}, planes, head);
+        const std::array<const Scalar*, 3> corners{record(at[0]), record(at[1]), record(at[2])};
+        if (planes != 0 && !wide && state_.clipping != Clipping::GuardBand) return add_clipped_by_driver(corners, planes, head);
+        if (planes != 0) return add_clipped(corners, planes, head);
         const std::array<SetupVertex<Scalar>, 3> v{setup_vertex(at[0]), setup_vertex(at[1]), setup_vertex(at[2])};
         if (!v[0].screen.valid || !v[1].screen.valid || !v[2].screen.valid) return false;
-        if (!wide) return draw_triangle(v, head);
+        if (!wide) {
+            if (state_.winding_area == WindingArea::Float32) {
+                const std::int64_t area = signed_area(v[0].screen.at, v[1].screen.at, v[2].screen.at);
+                if (turns_counter_clockwise(corners, viewport_->viewport, state_) != (area < 0)) return false;
+            }
+            return draw_triangle(v, head);
+        }
 
         const Facing facing = facing_of(signed_area(v[0].screen.at, v[1].screen.at, v[2].screen.at), state_.raster);
         if (facing.culled) return false;
@@ -159,6 +169,68 @@ private:
         return drawn;
     }
 
+    /// As llvmpipe or SwiftShader clips: a fan of triangles, or one polygon with the planes of the whole triangle.
+    bool add_clipped_by_driver(const std::array<const Scalar*, 3>& corners, std::uint32_t planes,
+                               const PrimitiveHead<Scalar>& head) {
+        ++chunk_.counters.primitives_clipped;
+        const ClippedTriangle<Scalar> clipped(corners, static_cast<std::size_t>(stride_), planes, input_.linear,
+                                              state_.clipping);
+        const std::size_t count = clipped.made.size();
+        if (count < 3) return false;
+        chunk_.clipped.push_back(std::make_unique<Scalar[]>(clipped.records.size()));
+        std::ranges::copy(clipped.records, chunk_.clipped.back().get());
+        std::vector<SetupVertex<Scalar>> v;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Scalar* from = chunk_.clipped.back().get() + i * static_cast<std::size_t>(stride_);
+            v.push_back({from, project(from, viewport_->viewport, state_, clipped.made[i] != 0)});
+            if (!v.back().screen.valid) return false;
+        }
+        if (state_.clipping == Clipping::SwiftShader) return draw_outline(v, corners, head);
+        bool drawn = false;
+        for (std::size_t i = 2; i < count; ++i) drawn = draw_triangle({v[0], v[i - 1], v[i]}, head) || drawn;
+        return drawn;
+    }
+
+    bool draw_outline(const std::vector<SetupVertex<Scalar>>& v, const std::array<const Scalar*, 3>& corners,
+                      const PrimitiveHead<Scalar>& head) {
+        auto outline = std::make_unique<Outline>();
+        GridPoint low = v[0].screen.at;
+        GridPoint high = low;
+        for (const SetupVertex<Scalar>& vertex : v) {
+            const GridPoint& at = vertex.screen.at;
+            outline->points.push_back(at);
+            low = {std::min(low.x, at.x), std::min(low.y, at.y)};
+            high = {std::max(high.x, at.x), std::max(high.y, at.y)};
+        }
+        std::int64_t area = 0;
+        for (std::size_t i = 2; i < v.size(); ++i) area += signed_area(v[0].screen.at, v[i - 1].screen.at, v[i].screen.at);
+        outline->counter_clockwise = state_.winding_area == WindingArea::Float32
+                                         ? turns_counter_clockwise(corners, viewport_->viewport, state_)
+                                         : area < 0;
+        const PixelRect bounds = pixel_bounds(low, high, head.viewport, state_);
+        if (bounds.empty() || facing_of(outline->counter_clockwise ? -1 : 1, state_.raster).culled) return false;
+
+        // Varyings go through the three corners that span the most.
+        OutlineCorners<Scalar> planes;
+        std::int64_t widest = 0;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            for (std::size_t j = i + 1; j < v.size(); ++j) {
+                for (std::size_t k = j + 1; k < v.size(); ++k) {
+                    const std::int64_t size = std::abs(signed_area(v[i].screen.at, v[j].screen.at, v[k].screen.at));
+                    if (size <= widest) continue;
+                    widest = size;
+                    planes.polygon = {v[i], v[j], v[k]};
+                }
+            }
+        }
+        if (widest == 0) return false;
+        for (std::size_t i = 0; i < 3; ++i) planes.triangle[i] = {corners[i], project(corners[i], viewport_->viewport, state_)};
+        chunk_.outlines.push_back(std::move(outline));
+        set_up_outline(planes, *chunk_.outlines.back(), bounds, head, state_, chunk_.pieces.emplace_back());
+        bin(chunk_.pieces.size() - 1);
+        return true;
+    }
+
     void begin_polygon() {
         polygon_.stride = static_cast<std::size_t>(stride_);
         polygon_.vertices.clear();
@@ -176,7 +248,7 @@ private:
     }
     SetupVertex<Scalar> clipped_vertex(const Scalar* kept, std::size_t i) const {
         const Scalar* from = kept + i * static_cast<std::size_t>(stride_);
-        return {from, project(from, viewport_->viewport, state_.subpixel_bits)};
+        return {from, project(from, viewport_->viewport, state_)};
     }
 
     bool draw_triangle(const std::array<SetupVertex<Scalar>, 3>& vertices, const PrimitiveHead<Scalar>& head) {
@@ -262,8 +334,7 @@ void project_vertices(const VertexBlock<Scalar>& vertices, const SetupState& sta
         for (std::size_t i = piece * kPiece; i < std::min(count, (piece + 1) * kPiece); ++i) {
             const Scalar* record = vertices.scalars.data() + i * stride;
             out.codes[i] = clip_code(record, viewport.guard, state.raster.depth_clip);
-            if ((out.codes[i] & (kClipPlanes | kNotFinite)) == 0)
-                out.screen[i] = project(record, viewport.viewport, state.subpixel_bits);
+            if ((out.codes[i] & (kClipPlanes | kNotFinite)) == 0) out.screen[i] = project(record, viewport.viewport, state);
         }
     });
 }
@@ -278,6 +349,7 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
         chunk.bins.clear();
         chunk.clipped.clear();
         chunk.taken = 0;
+        chunk.outlines.clear();
         chunk.counters = {};
     };
     for (auto& chunk : out.chunks) clear(chunk);

@@ -20,6 +20,7 @@ struct PrimitiveChunk {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> bins;  // (tile, index into pieces), in primitive order
     std::vector<std::unique_ptr<Scalar[]>> clipped;             // vertices that clipping made
     std::uint64_t taken = 0;                                    // primitives
+    std::vector<std::unique_ptr<Outline>> outlines;             // of pieces that are filled as polygons
     Counters counters;
 };
 

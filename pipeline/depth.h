@@ -23,9 +23,27 @@ struct DepthRange {
     Scalar most = 1;
 };
 
+/// Codes of depths as drivers round them, in binary32; llvmpipe's clamp takes NaN for the upper end.
+template <class Real>
+Int driver_depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type,
+                      DepthRounding rounding) {
+    const bool llvmpipe = rounding == DepthRounding::Llvmpipe;
+    const Real least(range.least);
+    const Real most(range.most);
+    const Float limited = to_float(llvmpipe ? max(select(z < most, z, most), least) : clamp(z, least, most));
+    switch (type) {
+        case ComponentType::Depth16:
+            if (llvmpipe) return bits_of(limited * Float(65535.0f / 65536.0f) + Float(128.0f)) & Int(0xffff);
+            return bounded_round_to_int(limited * Float(65535.0f));
+        case ComponentType::Depth24: return bounded_round_to_int(limited * Float(16777215.0f));
+        default: return bits_of(limited + Float(0.0f));
+    }
+}
+
 /// Clamp to the viewport's range (NaN gives its lower end) and convert to the format. D3D11.3 16.9.2.1, 17.10, 17.11
 template <class Real>
-Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type) {
+Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type, DepthRounding rounding) {
+    if (rounding != DepthRounding::HalfUp) return driver_depth_code(z, range, type, rounding);
     const Real limited = clamp(z, Real(range.least), Real(range.most));
     switch (type) {
         case ComponentType::Depth16: return unorm_from_float(limited, 16);
@@ -36,7 +54,11 @@ Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, Co
 
 /// The same for one value.
 template <class Scalar>
-std::int32_t depth_code_scalar(Scalar z, const DepthRange<Scalar>& range, ComponentType type) {
+std::int32_t depth_code_scalar(Scalar z, const DepthRange<Scalar>& range, ComponentType type, DepthRounding rounding) {
+    if (rounding != DepthRounding::HalfUp) {
+        using Real = std::conditional_t<std::is_same_v<Scalar, float>, Float, Double>;
+        return lane(driver_depth_code(Real(z), range, type, rounding), 0);
+    }
     const Scalar limited = z > range.least ? (z < range.most ? z : range.most) : range.least;
     switch (type) {
         case ComponentType::Depth16: return static_cast<std::int32_t>(static_cast<double>(limited) * 65535.0 + 0.5);

@@ -1,6 +1,7 @@
 #include "pipeline/output.h"
 
-#include "texunit/codec.h"
+#include "pipeline/peer_blend.h"
+#include "pipeline/target_codec.h"
 #include "texunit/store.h"
 
 namespace gnomon {
@@ -20,6 +21,75 @@ typename AnyCodec::Words merge_components(const typename AnyCodec::Words& fresh,
         merged[w] = (fresh[w] & mask) | (stored[w] & ~mask);
     }
     return merged;
+}
+
+template <class Real>
+Vec4<Float> to_floats(const Vec4<Real>& c) {
+    return {to_float(c.x), to_float(c.y), to_float(c.z), to_float(c.w)};
+}
+template <class AnyCodec>
+typename AnyCodec::Words encode_color(const Vec4<Float>& color, const Profile& profile) {
+    return encode_target<AnyCodec>(truncate<AnyCodec::kComponents>(color), profile);
+}
+
+/// UNORM of 8 or 16 bits on integers, as llvmpipe blends it.
+template <class AnyCodec, class Real>
+typename AnyCodec::Words blend_on_codes(const typename AnyCodec::Words& stored, const OutputColors<Real>& colors,
+                                        const BlendState& state, const Profile& profile) {
+    constexpr int kBits = kPlainUnormBits<AnyCodec>;
+    const auto codes = [&](const auto& color) {
+        const auto code = [&](const auto& x) { return driver_unorm_code(x, kBits, profile.unorm_rounding); };
+        return std::array<Int, 4>{code(color.x), code(color.y), code(color.z), code(color.w)};
+    };
+    const glm::vec4& k = colors.constant;
+    BlendCodes in{codes(colors.color), codes(colors.second), {}, codes(Vec4<Float>{k.x, k.y, k.z, k.w})};
+    in.dst = {Int(0), Int(0), Int(0), Int((1 << kBits) - 1)};
+    for (std::size_t c = 0; c < AnyCodec::kComponents; ++c) in.dst[c] = AnyCodec::code(stored, c);
+    const std::array<Int, 4> blended = blend_codes(in, state, kBits);
+    std::array<Int, AnyCodec::kComponents> kept;
+    for (std::size_t c = 0; c < kept.size(); ++c) kept[c] = blended[c];
+    return packed<AnyCodec>(kept);
+}
+
+/// Blending as a driver does it, of formats that were compared with it. False: of others, which blend as the specification
+/// says.
+template <class AnyCodec, class Real>
+bool blend_as_driver(const typename AnyCodec::Words& stored, const OutputColors<Real>& colors, const BlendState& state,
+                     const Profile& profile, typename AnyCodec::Words& words) {
+    constexpr bool kUnorm = kPlainUnormBits<AnyCodec> > 0;
+    if constexpr (!kUnorm && !kIsFloat<AnyCodec>) {
+        return false;
+    } else {
+        const glm::vec4& k = colors.constant;
+        BlendInput<Float> in{to_floats(colors.color), to_floats(colors.second), {}, {k.x, k.y, k.z, k.w}};
+        switch (profile.blend_arithmetic) {
+            case BlendArithmetic::D3d11: return false;
+            case BlendArithmetic::Llvmpipe:
+                if constexpr (kUnorm) {
+                    words = blend_on_codes<AnyCodec>(stored, colors, state, profile);
+                } else {
+                    in.dst = expand(AnyCodec::template decode<Float>(stored));
+                    words = encode_color<AnyCodec>(blend_as_llvmpipe(in, state, profile.flush_denormals && !kIsHalf<AnyCodec>),
+                                                   profile);
+                }
+                return true;
+            case BlendArithmetic::SwiftShader:
+                words = stored;
+                if (leaves_target(state)) return true;
+                in.dst = expand(decode_as_swiftshader<AnyCodec>(stored));
+                if constexpr (kUnorm) {
+                    const auto limited = [](const Vec4<Float>& c) {
+                        return Vec4<Float>{saturate(c.x), saturate(c.y), saturate(c.z), saturate(c.w)};
+                    };
+                    in.src = limited(in.src);
+                    in.src1 = limited(in.src1);
+                    in.constant = limited(in.constant);
+                }
+                words = encode_color<AnyCodec>(blend_as_swiftshader(in, state), profile);
+                return true;
+        }
+        __builtin_unreachable();
+    }
 }
 
 }  // namespace
@@ -48,16 +118,18 @@ void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask
             const Int offset = wave.y * Int(target.pitch) + wave.x * Int(AnyCodec::kBytes);
             const auto stored = AnyCodec::load(base, offset);
             Vec4<Real> color = colors.color;
-            if (target.state.enable) {
+            if (!target.state.enable) {
+                words = encode_target<AnyCodec>(truncate<kCount>(color), profile);
+            } else if (!blend_as_driver<AnyCodec>(stored, colors, target.state, profile, words)) {
                 const Vec4<Real> dst = expand(AnyCodec::template decode<Real>(stored));
                 const glm::vec4& k = colors.constant;
                 color = blend(BlendInput<Real>{color, colors.second, dst, {Real(k.x), Real(k.y), Real(k.z), Real(k.w)}},
                               target.state, blend_range(target.texture->info().type));
+                words = encode_target<AnyCodec>(truncate<kCount>(color), profile);
             }
-            words = merge_components<AnyCodec>(AnyCodec::encode(truncate<kCount>(color), profile.float_narrowing), stored,
-                                               target.state.write_mask);
+            words = merge_components<AnyCodec>(words, stored, target.state.write_mask);
         } else {
-            words = AnyCodec::encode(truncate<kCount>(colors.color), profile.float_narrowing);
+            words = encode_target<AnyCodec>(truncate<kCount>(colors.color), profile);
         }
 
         const std::ptrdiff_t pitch = target.pitch;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 namespace gnomon {
 
@@ -30,13 +31,21 @@ struct Edge {
 enum class PrimitiveShape : std::uint8_t {
     Triangle,     // one of two where a point or a line is a quadrilateral
     AliasedLine,  // line.h
+    Outline,      // outline.h
+};
+
+/// A polygon that is filled row by row from its left edges to its right ones.
+struct Outline {
+    std::vector<GridPoint> points;   // 1/256 pixel
+    bool counter_clockwise = false;  // on the screen: edges that go down are left ones
 };
 
 template <class Scalar>
 struct Primitive {
-    std::array<Edge, 3> edges;        // of a triangle
-    std::array<GridPoint, 2> line{};  // of an aliased line: from, to
-    PixelRect bounds;                 // pixels it may cover, inside viewport and scissor
+    std::array<Edge, 3> edges;         // of a triangle
+    std::array<GridPoint, 2> line{};   // of an aliased line: from, to
+    const Outline* outline = nullptr;  // of an outline
+    PixelRect bounds;                  // pixels it may cover, inside viewport and scissor
     PrimitiveShape shape = PrimitiveShape::Triangle;
     bool front = true;
     std::uint16_t layer = 0;  // of the targets
@@ -47,6 +56,7 @@ struct Primitive {
     std::int32_t x0 = 0;  // snapped position of vertex 0, 1/256 pixel
     std::int32_t y0 = 0;
     Scalar z0, z_dx, z_dy;                  // depth, linear on the screen
+    GridPoint z_origin;                     // where it is z0: vertex 0 but in profiles with plane equations of their own
     Scalar z_bias = 0;                      // of a profile that adds it to every fragment
     Scalar l1_dx, l1_dy;                    // linear barycentric of vertex 1
     Scalar l2_dx, l2_dy;                    // and of vertex 2

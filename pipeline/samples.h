@@ -33,6 +33,12 @@ inline SamplePattern sample_pattern(const Profile& profile, int count) {
     return pattern;
 }
 
+/// The mirror images of samples in the middle column of their pixel.
+inline SamplePattern mirrored(SamplePattern pattern) {
+    for (std::size_t s = 0; s < static_cast<std::size_t>(pattern.count); ++s) pattern.at[s].x = 16 - pattern.at[s].x;
+    return pattern;
+}
+
 /// The least and the largest position of a sample, in 1/256 pixel; both ends inclusive.
 inline PixelRect sample_extent(const SamplePattern& pattern) {
     PixelRect extent{kSubpixels, kSubpixels, 0, 0};

@@ -1,5 +1,7 @@
 #include "pipeline/setup.h"
 
+#include "pipeline/peer_setup.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -61,8 +63,7 @@ template <class Scalar>
 bool set_up_edges(const std::array<GridPoint, 3>& v, const SetupState& state, Primitive<Scalar>& out) {
     const auto [low_x, high_x] = std::minmax({v[0].x, v[1].x, v[2].x});
     const auto [low_y, high_y] = std::minmax({v[0].y, v[1].y, v[2].y});
-    out.bounds =
-        intersect(pixels_between({low_x, low_y}, {high_x, high_y}, state.sample_extent), state.viewports[out.viewport].visible);
+    out.bounds = pixel_bounds({low_x, low_y}, {high_x, high_y}, out.viewport, state);
     if (out.bounds.empty()) return false;
     for (std::size_t i = 0; i < 3; ++i) out.edges[i] = edge_between(v[i], v[(i + 1) % 3]);
     return true;
@@ -104,6 +105,9 @@ bool has_bias(const RasterState& raster) { return raster.depth_bias != 0 || rast
 template <class Scalar>
 Scalar bias_of(const std::array<Scalar, 3>& z, double slope, const SetupState& state) {
     const RasterState& raster = state.raster;
+    if (state.bias_arithmetic != DepthBiasArithmetic::D3d11)
+        return static_cast<Scalar>(driver_depth_bias(
+            {static_cast<float>(z[0]), static_cast<float>(z[1]), static_cast<float>(z[2])}, static_cast<float>(slope), state));
     const double max_z = std::max(
         {std::fabs(static_cast<double>(z[0])), std::fabs(static_cast<double>(z[1])), std::fabs(static_cast<double>(z[2]))});
     double bias = raster.depth_bias * depth_step(state, max_z);
@@ -112,6 +116,61 @@ Scalar bias_of(const std::array<Scalar, 3>& z, double slope, const SetupState& s
     if (limit > 0) bias = std::min(limit, bias);
     if (limit < 0) bias = std::max(limit, bias);
     return static_cast<Scalar>(bias);
+}
+
+/// The planes of a clockwise triangle that begins with its farthest vertex.
+template <class Scalar>
+void set_up_planes(const std::array<SetupVertex<Scalar>, 3>& v, std::int64_t area, const SetupState& state,
+                   Primitive<Scalar>& out) {
+    const std::array<GridPoint, 3> at{v[0].screen.at, v[1].screen.at, v[2].screen.at};
+    const BarycentricSlopes slopes(at, area);
+    out.x0 = at[0].x;
+    out.y0 = at[0].y;
+    out.l1_dx = static_cast<Scalar>(slopes.l1_dx);
+    out.l1_dy = static_cast<Scalar>(slopes.l1_dy);
+    out.l2_dx = static_cast<Scalar>(slopes.l2_dx);
+    out.l2_dy = static_cast<Scalar>(slopes.l2_dy);
+    for (std::size_t i = 0; i < 3; ++i) {
+        out.inv_w[i] = v[i].screen.inv_w;
+        out.varyings[i] = v[i].record + kPositionScalars;
+    }
+
+    // Depth plane. The bias is added to each vertex, or kept for the fragments.
+    std::array<Scalar, 3> z{v[0].screen.z, v[1].screen.z, v[2].screen.z};
+    out.z_bias = Scalar(0);
+    if (has_bias(state.raster)) {
+        const Scalar bias = bias_of(z, std::max(std::fabs(slopes.dx(z)), std::fabs(slopes.dy(z))), state);
+        if (state.bias_place == DepthBiasPlace::Fragment) out.z_bias = bias;
+        if (state.bias_place == DepthBiasPlace::Vertex)
+            for (Scalar& depth : z) depth += bias;
+    }
+    out.z0 = z[0];
+    out.z_origin = at[0];
+    out.z_dx = static_cast<Scalar>(slopes.dx(z));
+    out.z_dy = static_cast<Scalar>(slopes.dy(z));
+}
+
+/// Begins with the farthest vertex: then 1/w grows away from vertex 0 on every side, and its interpolation cannot cancel.
+template <class Scalar>
+void put_farthest_first(std::array<SetupVertex<Scalar>, 3>& v) {
+    const auto farthest =
+        std::ranges::min_element(v, {}, [](const SetupVertex<Scalar>& vertex) { return vertex.screen.inv_w; }) - v.begin();
+    std::rotate(v.begin(), v.begin() + farthest, v.end());
+}
+
+/// Puts a driver's plane in the place of the depth's.
+template <class Scalar>
+void take_depth(const DepthPlane& plane, const SetupState& state, Primitive<Scalar>& out) {
+    out.z0 = static_cast<Scalar>(plane.z0);
+    out.z_origin = plane.origin;
+    out.z_dx = static_cast<Scalar>(plane.dx);
+    out.z_dy = static_cast<Scalar>(plane.dy);
+    out.z_bias = Scalar(0);
+    if (!has_bias(state.raster)) return;
+    const std::array<Scalar, 3> z{static_cast<Scalar>(plane.z[0]), static_cast<Scalar>(plane.z[1]),
+                                  static_cast<Scalar>(plane.z[2])};
+    const Scalar bias = bias_of(z, static_cast<double>(plane.slope), state);
+    (state.bias_place == DepthBiasPlace::Fragment ? out.z_bias : out.z0) += bias;
 }
 
 }  // namespace
@@ -170,39 +229,37 @@ bool set_up_triangle(const std::array<SetupVertex<Scalar>, 3>& vertices, const P
         area = -area;
     }
 
-    // Begin with the farthest vertex: then 1/w grows away from vertex 0 on every side, and its interpolation cannot cancel.
-    const auto farthest =
-        std::ranges::min_element(v, {}, [](const SetupVertex<Scalar>& vertex) { return vertex.screen.inv_w; }) - v.begin();
-    std::rotate(v.begin(), v.begin() + farthest, v.end());
+    put_farthest_first(v);
     const std::array<GridPoint, 3> at{v[0].screen.at, v[1].screen.at, v[2].screen.at};
     if (!set_up_edges(at, state, out)) return false;
     out.shape = PrimitiveShape::Triangle;
-
-    const BarycentricSlopes slopes(at, area);
-    out.x0 = at[0].x;
-    out.y0 = at[0].y;
-    out.l1_dx = static_cast<Scalar>(slopes.l1_dx);
-    out.l1_dy = static_cast<Scalar>(slopes.l1_dy);
-    out.l2_dx = static_cast<Scalar>(slopes.l2_dx);
-    out.l2_dy = static_cast<Scalar>(slopes.l2_dy);
-    for (std::size_t i = 0; i < 3; ++i) {
-        out.inv_w[i] = v[i].screen.inv_w;
-        out.varyings[i] = v[i].record + kPositionScalars;
-    }
-
-    // Depth plane. The bias is added to each vertex, or kept for the fragments.
-    std::array<Scalar, 3> z{v[0].screen.z, v[1].screen.z, v[2].screen.z};
-    out.z_bias = Scalar(0);
-    if (has_bias(state.raster)) {
-        const Scalar bias = bias_of(z, std::max(std::fabs(slopes.dx(z)), std::fabs(slopes.dy(z))), state);
-        if (state.bias_place == DepthBiasPlace::Fragment) out.z_bias = bias;
-        if (state.bias_place == DepthBiasPlace::Vertex)
-            for (Scalar& depth : z) depth += bias;
-    }
-    out.z0 = z[0];
-    out.z_dx = static_cast<Scalar>(slopes.dx(z));
-    out.z_dy = static_cast<Scalar>(slopes.dy(z));
+    set_up_planes(v, area, state, out);
+    if (state.plane_equations != PlaneEquations::Barycentric)
+        take_depth(driver_depth_plane(vertices, state.viewports[out.viewport].viewport, state), state, out);
     return true;
+}
+
+PixelRect pixel_bounds(const GridPoint& low, const GridPoint& high, std::uint32_t viewport, const SetupState& state) {
+    return intersect(pixels_between(low, high, state.sample_extent), state.viewports[viewport].visible);
+}
+
+template <class Scalar>
+void set_up_outline(const OutlineCorners<Scalar>& corners, const Outline& outline, const PixelRect& bounds,
+                    const PrimitiveHead<Scalar>& head, const SetupState& state, Primitive<Scalar>& out) {
+    take_head(head, facing_of(outline.counter_clockwise ? -1 : 1, state.raster).front, out);
+    out.shape = PrimitiveShape::Outline;
+    out.outline = &outline;
+    out.bounds = bounds;
+    std::array<SetupVertex<Scalar>, 3> v = corners.polygon;
+    std::int64_t area = signed_area(v[0].screen.at, v[1].screen.at, v[2].screen.at);
+    if (area < 0) {
+        std::swap(v[1], v[2]);
+        area = -area;
+    }
+    put_farthest_first(v);
+    set_up_planes(v, area, state, out);
+    if (state.plane_equations != PlaneEquations::Barycentric)
+        take_depth(driver_depth_plane(corners.triangle, state.viewports[head.viewport].viewport, state), state, out);
 }
 
 namespace {
@@ -225,6 +282,7 @@ void set_up_line_planes(const std::array<SetupVertex<Scalar>, 2>& ends, const st
     out.l1_dy = static_cast<Scalar>(along_y);
     out.l2_dx = out.l2_dy = Scalar(0);
     out.z0 = z[0];
+    out.z_origin = from;
     out.z_dx = static_cast<Scalar>(rise * along_x);
     out.z_dy = static_cast<Scalar>(rise * along_y);
     out.z_bias = Scalar(0);
@@ -311,6 +369,8 @@ int set_up_point(const SetupVertex<Scalar>& centre, const PrimitiveHead<Scalar>&
 #define GNOMON_INSTANTIATE(Scalar)                                                                                            \
     template ScreenVertex<Scalar> project(const Scalar*, const Viewport&, int);                                               \
     template Scalar triangle_depth_bias(const std::array<SetupVertex<Scalar>, 3>&, const SetupState&);                        \
+    template void set_up_outline(const OutlineCorners<Scalar>&, const Outline&, const PixelRect&,                             \
+                                 const PrimitiveHead<Scalar>&, const SetupState&, Primitive<Scalar>&);                        \
     template bool set_up_triangle(const std::array<SetupVertex<Scalar>, 3>&, const PrimitiveHead<Scalar>&, const SetupState&, \
                                   Primitive<Scalar>&);                                                                        \
     template int set_up_line(const std::array<SetupVertex<Scalar>, 2>&, const PrimitiveHead<Scalar>&, Scalar, bool,           \

@@ -17,11 +17,17 @@ namespace gnomon {
 struct SetupState {
     RasterState raster;
     std::span<const ViewportTransform> viewports;
-    int layers = 1;                                     // of the targets
-    int subpixel_bits = kSubpixelBits;                  // of the profile
+    int layers = 1;                     // of the targets
+    int samples = 1;                    // of the targets
+    int subpixel_bits = kSubpixelBits;  // of the profile, as are the next four
+    ViewportArithmetic viewport_arithmetic = ViewportArithmetic::D3d11;
+    Clipping clipping = Clipping::GuardBand;
+    WindingArea winding_area = WindingArea::Exact;
+    PlaneEquations plane_equations = PlaneEquations::Barycentric;
     ComponentType depth_type = ComponentType::Depth24;  // scale of the constant depth bias; UNORM without a depth target
     DepthBiasPlace bias_place = DepthBiasPlace::Vertex;
     int bias_steps = 1;
+    DepthBiasArithmetic bias_arithmetic = DepthBiasArithmetic::D3d11;
     PixelRect sample_extent{128, 128, 128, 128};  // least and largest sample position, 1/256 pixel; both ends inclusive
 };
 
@@ -69,6 +75,21 @@ Facing facing_of(std::int64_t signed_area, const RasterState& raster);
 template <class Scalar>
 bool set_up_triangle(const std::array<SetupVertex<Scalar>, 3>& vertices, const PrimitiveHead<Scalar>& head,
                      const SetupState& state, Primitive<Scalar>& out);
+
+/// What the planes of an outline go through.
+template <class Scalar>
+struct OutlineCorners {
+    std::array<SetupVertex<Scalar>, 3> polygon;   // three of its corners, not all in a line: varyings
+    std::array<SetupVertex<Scalar>, 3> triangle;  // what it was before it was clipped: depth, in profiles that have it so
+};
+
+/// The piece of a polygon that is filled as a whole, in the pixels of `bounds`.
+template <class Scalar>
+void set_up_outline(const OutlineCorners<Scalar>& corners, const Outline& outline, const PixelRect& bounds,
+                    const PrimitiveHead<Scalar>& head, const SetupState& state, Primitive<Scalar>& out);
+
+/// Pixels that what lies between two corners may cover, inside the viewport.
+PixelRect pixel_bounds(const GridPoint& low, const GridPoint& high, std::uint32_t viewport, const SetupState& state);
 
 /// The depth bias of a triangle. D3D11.3 15.10
 template <class Scalar>

@@ -3,6 +3,7 @@
 #include "pipeline/coverage.h"
 #include "pipeline/depth.h"
 #include "pipeline/line.h"
+#include "pipeline/outline.h"
 
 #include <optional>
 
@@ -65,10 +66,10 @@ public:
         if (primitive.layer != layer_) set_layer(primitive.layer);
         range_ = {static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.min_depth),
                   static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.max_depth)};
-        if (primitive.shape == PrimitiveShape::AliasedLine) {
-            draw_line();
-        } else {
-            draw_triangle();
+        switch (primitive.shape) {
+            case PrimitiveShape::Triangle: draw_triangle(); break;
+            case PrimitiveShape::AliasedLine: draw_line(); break;
+            case PrimitiveShape::Outline: draw_outline(); break;
         }
         if (!packer_.empty()) shade(packer_.take());
     }
@@ -148,17 +149,34 @@ private:
         const PixelRect area = intersect(primitive_->bounds, tile_);
         const TileBits bits = line_coverage(primitive_->line[0], primitive_->line[1], area, tile_.x0, tile_.y0);
         if (tally_ != nullptr) ++tally_->counters.tiles;
+        add_bits(area, std::span(&bits, 1));  // every sample of the pixel. D3D11.3 15.14.1
+    }
+
+    void draw_outline() {
+        const PixelRect area = intersect(primitive_->bounds, tile_);
+        if (tally_ != nullptr) ++tally_->counters.tiles;
+        std::array<TileBits, kMulti ? kMaxSamples : 1> bits;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+            bits[s] = outline_coverage(*primitive_->outline, state_.pattern.at[s], area, tile_.x0, tile_.y0);
+        add_bits(area, std::span(bits).first(static_cast<std::size_t>(samples_)));
+    }
+
+    /// Quads of a tile whose pixels are given by sample, or for all samples alike.
+    void add_bits(const PixelRect& area, std::span<const TileBits> bits) {
         for (int y = area.y0 & ~1; y < area.y1; y += 2) {
             for (int x = area.x0 & ~1; x < area.x1; x += 2) {
-                const auto pair = [&](int row) {
-                    return static_cast<std::uint32_t>(bits.rows[static_cast<std::size_t>(row - tile_.y0)] >> (x - tile_.x0) &
-                                                      3u);
-                };
-                const std::uint32_t mask = pair(y) | pair(y + 1) << 2;
-                if (mask == 0) continue;
                 SampleMasks samples;
-                samples.fill(mask);  // every sample of the pixel. D3D11.3 15.14.1
-                add_quad(x, y, mask, samples, 0);
+                std::uint32_t any = 0;
+                for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) {
+                    const auto& rows = bits[std::min(s, bits.size() - 1)].rows;
+                    const auto pair = [&](int row) {
+                        return static_cast<std::uint32_t>(rows[static_cast<std::size_t>(row - tile_.y0)] >> (x - tile_.x0) &
+                                                          3u);
+                    };
+                    samples[s] = pair(y) | pair(y + 1) << 2;
+                    any |= samples[s];
+                }
+                if (any != 0) add_quad(x, y, any, samples, 0);
             }
         }
     }
@@ -167,15 +185,17 @@ private:
     bool hidden(int x, int y) {
         if (!uses_hierarchy_) return false;
         const bool low = hierarchy_->larger_is_far();
-        const PixelRect& extent = state_.sample_extent;
+        const PixelRect& extent = state_.depth_extent;
         const auto nearest = [&](int pixel, int first, int last, Scalar slope) {
             return (slope > 0) == low ? pixel * kSubpixels + first : (pixel + kBlockSize - 1) * kSubpixels + last;
         };
         const Scalar z = depth_at(*primitive_, nearest(x, extent.x0, extent.x1, primitive_->z_dx),
-                                  nearest(y, extent.y0, extent.y1, primitive_->z_dy)) +
+                                  nearest(y, extent.y0, extent.y1, primitive_->z_dy), state_.plane_equations) +
                          primitive_->z_bias;
-        const bool rejected = hierarchy_->rejects((x - tile_.x0) / kBlockSize, (y - tile_.y0) / kBlockSize,
-                                                  depth_code_scalar(z, range_, depth_->type()), !is_small());
+        if (state_.plane_equations != PlaneEquations::Barycentric && !(z - z == Scalar(0))) return false;  // may be anything
+        const bool rejected =
+            hierarchy_->rejects((x - tile_.x0) / kBlockSize, (y - tile_.y0) / kBlockSize,
+                                depth_code_scalar(z, range_, depth_->type(), state_.depth_rounding), !is_small());
         if (rejected && tally_ != nullptr) ++tally_->counters.blocks_rejected;
         return rejected;
     }
@@ -242,13 +262,15 @@ private:
 
     /// Depth at sample s, or at the pixel centre where there is one.
     Real depth_of(const Wave& wave, int s) const {
+        const GridPoint& origin = primitive_->z_origin;
         const auto at =
-            kMulti ? sample_offset<Real>(wave, state_.pattern.at[static_cast<std::size_t>(s)], primitive_->x0, primitive_->y0)
-                   : centre_offset<Real>(wave, primitive_->x0, primitive_->y0);
-        return biased(interpolate_depth(*primitive_, at));
+            kMulti ? sample_offset<Real>(wave, state_.depth_pattern.at[static_cast<std::size_t>(s)], origin.x, origin.y)
+                   : centre_offset<Real>(wave, origin.x, origin.y);
+        return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
     }
     Real centre_depth(const Wave& wave) const {
-        return biased(interpolate_depth(*primitive_, centre_offset<Real>(wave, primitive_->x0, primitive_->y0)));
+        const auto at = centre_offset<Real>(wave, primitive_->z_origin.x, primitive_->z_origin.y);
+        return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
     }
     Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
 
@@ -368,7 +390,7 @@ private:
         }
         const std::uint32_t stencil_passed = passed;
         if (depth_->depth().test && passed != 0) {
-            const Int code = depth_code(z, range_, depth_->type());
+            const Int code = depth_code(z, range_, depth_->type(), state_.depth_rounding);
             Int stored;
             passed = depth_->test(wave, passed, code, s, stored);
             const bool stores = writes && depth_->depth().write && passed != 0;

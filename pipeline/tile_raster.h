@@ -32,7 +32,10 @@ struct TileState {
     OutputState output;
     std::span<const ViewportTransform> viewports;
     SamplePattern pattern;
-    PixelRect sample_extent;  // SetupState
+    SamplePattern depth_pattern;  // where depths are taken, by sample
+    PixelRect depth_extent;       // of these, as SetupState has it
+    PlaneEquations plane_equations = PlaneEquations::Barycentric;
+    DepthRounding depth_rounding = DepthRounding::HalfUp;
     int layers = 1;
     int width = 0;  // of the targets
     int height = 0;

@@ -183,7 +183,7 @@ private:
             if (!(v.min_depth >= 0.0f && v.min_depth <= v.max_depth && v.max_depth <= 1.0f))
                 refuse("depth range {} to {} of viewport {}, expected 0 <= from <= to <= 1", v.min_depth, v.max_depth, i);
             const ScissorRect* scissor = draw_.scissors.empty() ? nullptr : &draw_.scissors[i];
-            context_.viewports.push_back(make_viewport_transform(v, scissor, width_, height_));
+            context_.viewports.push_back(make_viewport_transform(v, scissor, width_, height_, profile_.clipping));
         }
     }
 
@@ -244,14 +244,21 @@ private:
 
     void fill_states() {
         const SamplePattern pattern = sample_pattern(profile_, sized_->desc().samples);
+        const SamplePattern depth_pattern = profile_.mirrors_sample_depth ? mirrored(pattern) : pattern;
         const PixelRect extent = sample_extent(pattern);
         context_.setup = {.raster = draw_.raster,
                           .viewports = context_.viewports,
                           .layers = layers_,
+                          .samples = pattern.count,
                           .subpixel_bits = profile_.raster_subpixel_bits,
+                          .viewport_arithmetic = profile_.viewport_arithmetic,
+                          .clipping = profile_.clipping,
+                          .winding_area = profile_.winding_area,
+                          .plane_equations = profile_.plane_equations,
                           .depth_type = depth_ != nullptr ? depth_->info().type : ComponentType::Depth24,
                           .bias_place = profile_.depth_bias_place,
                           .bias_steps = profile_.depth_bias_steps,
+                          .bias_arithmetic = profile_.depth_bias_arithmetic,
                           .sample_extent = extent};
         const bool tests = depth_ != nullptr && (draw_.depth_state.test || (draw_.stencil.test && depth_->info().has_stencil));
         context_.tiles = {
@@ -266,7 +273,10 @@ private:
             .output = draw_.output,
             .viewports = context_.viewports,
             .pattern = pattern,
-            .sample_extent = extent,
+            .depth_pattern = depth_pattern,
+            .depth_extent = sample_extent(depth_pattern),
+            .plane_equations = profile_.plane_equations,
+            .depth_rounding = profile_.depth_rounding,
             .layers = layers_,
             .width = width_,
             .height = height_,

@@ -5,6 +5,7 @@
 #include "pipeline/clip.h"
 #include "pipeline/state.h"
 #include "pipeline/tiling.h"
+#include "sim/profile_choices.h"
 
 #include <cmath>
 
@@ -38,8 +39,12 @@ inline GuardBand<double> guard_band(const Viewport& viewport) {
             .seen_top = 1 + cut(viewport.y) / half_height};
 }
 
+/// No guard band: what leaves the viewport is clipped.
+inline constexpr GuardBand<double> kNoGuardBand{.left = 1, .right = 1, .bottom = 1, .top = 1};
+
 /// `scissor` may be null. The edges of the viewport round down to whole pixels. D3D11.3 15.7
-inline ViewportTransform make_viewport_transform(Viewport viewport, const ScissorRect* scissor, int width, int height) {
+inline ViewportTransform make_viewport_transform(Viewport viewport, const ScissorRect* scissor, int width, int height,
+                                                 Clipping clipping = Clipping::GuardBand) {
     if (viewport.width == 0.0f) {
         viewport.width = static_cast<float>(width);
         viewport.height = static_cast<float>(height);
@@ -51,7 +56,7 @@ inline ViewportTransform make_viewport_transform(Viewport viewport, const Scisso
                       floored(viewport.y, viewport.height)};
     visible = intersect(visible, {0, 0, width, height});
     if (scissor != nullptr) visible = intersect(visible, {scissor->x0, scissor->y0, scissor->x1, scissor->y1});
-    return {viewport, visible, guard_band(viewport)};
+    return {viewport, visible, clipping == Clipping::GuardBand ? guard_band(viewport) : kNoGuardBand};
 }
 
 }  // namespace gnomon

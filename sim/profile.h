@@ -56,6 +56,11 @@ struct Profile {
     std::array<SamplePosition, 8> sample_positions_8 = kStandardSamples8;
     std::array<SamplePosition, 16> sample_positions_16 = kStandardSamples16;
     bool multisamples_float = true;  // false: targets of floats have one sample
+    ViewportArithmetic viewport_arithmetic = ViewportArithmetic::D3d11;
+    Clipping clipping = Clipping::GuardBand;
+    WindingArea winding_area = WindingArea::Exact;
+    PlaneEquations plane_equations = PlaneEquations::Barycentric;
+    bool mirrors_sample_depth = false;  // the depth of a sample is taken at the mirror image of its x in the pixel
     // Derivatives.
     DerivativeCorner derivative_corner = DerivativeCorner::TopLeft;
     PlainDerivative plain_derivative = PlainDerivative::Coarse;
@@ -66,6 +71,12 @@ struct Profile {
     AlphaToCoverage alpha_to_coverage = AlphaToCoverage::Rounded;
     DepthBiasPlace depth_bias_place = DepthBiasPlace::Vertex;
     int depth_bias_steps = 1;  // 1 to 8: smallest steps of a UNORM depth format in one unit of the constant bias
+    DepthBiasArithmetic depth_bias_arithmetic = DepthBiasArithmetic::D3d11;
+    DepthRounding depth_rounding = DepthRounding::HalfUp;
+    BlendArithmetic blend_arithmetic = BlendArithmetic::D3d11;
+    UnormRounding unorm_rounding = UnormRounding::HalfUp;  // of UNORM colour targets
+    HalfTargets half_targets = HalfTargets::Narrowed;
+    ResolveArithmetic resolve_arithmetic = ResolveArithmetic::Mean;
     // Texture unit: addresses and weights.
     AddressArithmetic address_arithmetic = AddressArithmetic::FixedPoint;
     int texel_fraction_bits = 8;  // 1 to 8 or kExactBits
@@ -112,6 +123,11 @@ struct Profile {
                           Field{"sample_positions_8", &P::sample_positions_8},
                           Field{"sample_positions_16", &P::sample_positions_16},
                           Field{"multisamples_float", &P::multisamples_float},
+                          Field{"viewport_arithmetic", &P::viewport_arithmetic},
+                          Field{"clipping", &P::clipping},
+                          Field{"winding_area", &P::winding_area},
+                          Field{"plane_equations", &P::plane_equations},
+                          Field{"mirrors_sample_depth", &P::mirrors_sample_depth},
                           Field{"derivative_corner", &P::derivative_corner},
                           Field{"plain_derivative", &P::plain_derivative},
                           Field{"max_targets", &P::max_targets},
@@ -120,6 +136,12 @@ struct Profile {
                           Field{"alpha_to_coverage", &P::alpha_to_coverage},
                           Field{"depth_bias_place", &P::depth_bias_place},
                           Field{"depth_bias_steps", &P::depth_bias_steps},
+                          Field{"depth_bias_arithmetic", &P::depth_bias_arithmetic},
+                          Field{"depth_rounding", &P::depth_rounding},
+                          Field{"blend_arithmetic", &P::blend_arithmetic},
+                          Field{"unorm_rounding", &P::unorm_rounding},
+                          Field{"half_targets", &P::half_targets},
+                          Field{"resolve_arithmetic", &P::resolve_arithmetic},
                           Field{"address_arithmetic", &P::address_arithmetic},
                           Field{"texel_fraction_bits", &P::texel_fraction_bits},
                           Field{"texel_rounding", &P::texel_rounding},

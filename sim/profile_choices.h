@@ -227,6 +227,114 @@ template <>
 inline constexpr std::array kEnumNames<DepthBiasPlace>{EnumName{DepthBiasPlace::Vertex, "vertex"},
                                                        EnumName{DepthBiasPlace::Fragment, "fragment"}};
 
+/// How a clip position becomes a position on the raster grid.
+enum class ViewportArithmetic {
+    D3d11,     // divide, scale, offset, snap, a rounding each. D3D11.3 15.5, 15.6, 3.4.1
+    Llvmpipe,  // times 1/w, scale and offset fused (of vertices that clipping made: not), snapped from the first sample centre
+    SwiftShader,  // times 1/w, then scale and offset in grid steps, snapped in one go
+};
+template <>
+inline constexpr std::array kEnumNames<ViewportArithmetic>{EnumName{ViewportArithmetic::D3d11, "d3d11"},
+                                                           EnumName{ViewportArithmetic::Llvmpipe, "llvmpipe"},
+                                                           EnumName{ViewportArithmetic::SwiftShader, "swiftshader"}};
+
+/// What is clipped, and what becomes of it.
+enum class Clipping {
+    GuardBand,    // near, far, and what 16.8 positions cannot hold; the rest is triangles that share no pixel. D3D11.3 15.4
+    Llvmpipe,     // the whole view volume in binary32, right first, near and far last; the rest is a fan, each with its planes
+    SwiftShader,  // the whole view volume in binary32, near first, top and bottom last; the rest is filled as one polygon
+};
+template <>
+inline constexpr std::array kEnumNames<Clipping>{EnumName{Clipping::GuardBand, "guard-band"},
+                                                 EnumName{Clipping::Llvmpipe, "llvmpipe"},
+                                                 EnumName{Clipping::SwiftShader, "swiftshader"}};
+
+/// What decides which way round a triangle is.
+enum class WindingArea {
+    Exact,    // the area of what is drawn. D3D11.3 15.11.1
+    Float32,  // that of the unclipped triangle, in binary32 grid steps; where it is wrong or zero, nothing is drawn
+};
+template <>
+inline constexpr std::array kEnumNames<WindingArea>{EnumName{WindingArea::Exact, "exact"},
+                                                    EnumName{WindingArea::Float32, "float32"}};
+
+/// How depth follows from the vertices.
+enum class PlaneEquations {
+    Barycentric,  // through snapped positions, slopes in double rounded once, from a vertex. D3D11.3 15.16.2 leaves it open
+    Llvmpipe,     // through positions that were not snapped, from the target's corner, evaluated with fused multiply-adds
+    SwiftShader,  // through snapped positions of the unclipped triangle, in binary32 from the vertex of largest w
+};
+template <>
+inline constexpr std::array kEnumNames<PlaneEquations>{EnumName{PlaneEquations::Barycentric, "barycentric"},
+                                                       EnumName{PlaneEquations::Llvmpipe, "llvmpipe"},
+                                                       EnumName{PlaneEquations::SwiftShader, "swiftshader"}};
+
+/// How a depth becomes the code of d16 or d24; NaN gives the lower end of the depth range, to llvmpipe the upper.
+enum class DepthRounding {
+    HalfUp,       // exact, halves up. D3D11.3 3.2.3.6
+    Llvmpipe,     // d16 in two binary32 roundings, d24 as nearest-even
+    NearestEven,  // of the binary32 product
+};
+template <>
+inline constexpr std::array kEnumNames<DepthRounding>{EnumName{DepthRounding::HalfUp, "half-up"},
+                                                      EnumName{DepthRounding::Llvmpipe, "llvmpipe"},
+                                                      EnumName{DepthRounding::NearestEven, "nearest-even"}};
+
+/// How the depth bias is computed.
+enum class DepthBiasArithmetic {
+    D3d11,        // D3D11.3 15.10
+    Llvmpipe,     // the same in binary32 from its own slopes
+    SwiftShader,  // a step is 1.01 / 65535, or that of the first depth and of the others' differences from it
+};
+template <>
+inline constexpr std::array kEnumNames<DepthBiasArithmetic>{EnumName{DepthBiasArithmetic::D3d11, "d3d11"},
+                                                            EnumName{DepthBiasArithmetic::Llvmpipe, "llvmpipe"},
+                                                            EnumName{DepthBiasArithmetic::SwiftShader, "swiftshader"}};
+
+/// What blend equations are computed in.
+enum class BlendArithmetic {
+    D3d11,        // the profile's arithmetic, products rounded, then the sum. D3D11.3 17.1, 17.5
+    Llvmpipe,     // UNORM on integers of the target's width, floats with one product where both factors are one name
+    SwiftShader,  // binary32; equations that are nothing, the source or the target are not computed
+};
+template <>
+inline constexpr std::array kEnumNames<BlendArithmetic>{EnumName{BlendArithmetic::D3d11, "d3d11"},
+                                                        EnumName{BlendArithmetic::Llvmpipe, "llvmpipe"},
+                                                        EnumName{BlendArithmetic::SwiftShader, "swiftshader"}};
+
+/// How a colour becomes the code of an UNORM target.
+enum class UnormRounding {
+    HalfUp,       // exact, halves up. D3D11.3 3.2.3.6
+    Llvmpipe,     // 8 bits: nearest-even of the binary32 product; 16 bits: in two binary32 roundings
+    NearestEven,  // of the binary32 product
+};
+template <>
+inline constexpr std::array kEnumNames<UnormRounding>{EnumName{UnormRounding::HalfUp, "half-up"},
+                                                      EnumName{UnormRounding::Llvmpipe, "llvmpipe"},
+                                                      EnumName{UnormRounding::NearestEven, "nearest-even"}};
+
+/// The halves of targets.
+enum class HalfTargets {
+    Narrowed,     // IEEE, rounded as `float_narrowing` says. D3D11.3 3.2.2
+    TowardZero,   // IEEE, cut off
+    SwiftShader,  // no infinities: exponent 31 is one more exponent, and 0x7fff holds all that is larger
+};
+template <>
+inline constexpr std::array kEnumNames<HalfTargets>{EnumName{HalfTargets::Narrowed, "narrowed"},
+                                                    EnumName{HalfTargets::TowardZero, "toward-zero"},
+                                                    EnumName{HalfTargets::SwiftShader, "swiftshader"}};
+
+/// The mean of the samples of a pixel.
+enum class ResolveArithmetic {
+    Mean,         // the sum in the profile's arithmetic, in order of samples. D3D11.3 19.2.4
+    Llvmpipe,     // the same of texels as its filters read them, stored as a colour is
+    SwiftShader,  // 8 bits: the upper mean of two upper means; 16 bits: of codes; floats: of numbers
+};
+template <>
+inline constexpr std::array kEnumNames<ResolveArithmetic>{EnumName{ResolveArithmetic::Mean, "mean"},
+                                                          EnumName{ResolveArithmetic::Llvmpipe, "llvmpipe"},
+                                                          EnumName{ResolveArithmetic::SwiftShader, "swiftshader"}};
+
 /// Number of fraction bits that means "not quantised at all".
 inline constexpr int kExactBits = -1;
 

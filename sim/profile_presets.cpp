@@ -63,6 +63,11 @@ Preset d3d11() {
     p.set(&P::sample_positions_8, kStandardSamples8, Specified, kPositions);
     p.set(&P::sample_positions_16, kStandardSamples16, Specified, kPositions);
     p.set(&P::multisamples_float, true, Specified, "D3D11.3 19.2.5");
+    p.set(&P::viewport_arithmetic, ViewportArithmetic::D3d11, Specified, "D3D11.3 15.5, 15.6, 3.4.1");
+    p.set(&P::clipping, Clipping::GuardBand, Specified, "D3D11.3 15.4, 3.4.1");
+    p.set(&P::winding_area, WindingArea::Exact, Specified, "D3D11.3 15.11, 15.11.1");
+    p.set(&P::plane_equations, PlaneEquations::Barycentric, Assumed, "D3D11.3 15.16.2 leaves the rounding of planes open");
+    p.set(&P::mirrors_sample_depth, false, Specified, "D3D11.3 3.5.4: at the sample");
     p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Assumed, "D3D11.3 22.5.2 leaves the corner to the vendor");
     p.set(&P::plain_derivative, PlainDerivative::Coarse, Assumed, "Direct3D's ddx may be either; HLSL compiles it to coarse");
     p.set(&P::max_targets, 8, Specified, "D3D11.3 17.14");
@@ -71,6 +76,12 @@ Preset d3d11() {
     p.set(&P::alpha_to_coverage, AlphaToCoverage::Rounded, Assumed, "D3D11.3 17.18 fixes only alpha 0 and 1");
     p.set(&P::depth_bias_place, DepthBiasPlace::Vertex, Specified, "D3D11.3 15.10");
     p.set(&P::depth_bias_steps, 1, Specified, "D3D11.3 15.10");
+    p.set(&P::depth_bias_arithmetic, DepthBiasArithmetic::D3d11, Specified, "D3D11.3 15.10");
+    p.set(&P::depth_rounding, DepthRounding::HalfUp, Specified, "D3D11.3 3.2.3.6");
+    p.set(&P::blend_arithmetic, BlendArithmetic::D3d11, Assumed, "D3D11.3 17.5 bounds the precision, not the roundings");
+    p.set(&P::unorm_rounding, UnormRounding::HalfUp, Specified, "D3D11.3 3.2.3.6");
+    p.set(&P::half_targets, HalfTargets::Narrowed, Specified, "D3D11.3 3.2.2");
+    p.set(&P::resolve_arithmetic, ResolveArithmetic::Mean, Assumed, "D3D11.3 19.2.4 leaves the roundings open");
     p.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, Specified, "D3D11.3 7.18.5 to 7.18.9");
     p.set(&P::texel_fraction_bits, 8, Specified, "D3D11.3 7.18.8, 7.18.16.1: at least 8");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Specified, "D3D11.3 3.2.4.1: the ideal; 0.6 ULP allowed");
@@ -152,6 +163,17 @@ Preset nv40() {
     p.set(&P::depth_bias_place, DepthBiasPlace::Vertex, Assumed, kAsD3d);
     p.set(&P::depth_bias_steps, 1, Assumed,
           "nouveau nv30 programs twice OpenGL's units, so its unit is likely half of two steps");
+    p.set(&P::viewport_arithmetic, ViewportArithmetic::D3d11, Assumed, kAsD3d);
+    p.set(&P::clipping, Clipping::GuardBand, Assumed, kAsD3d);
+    p.set(&P::winding_area, WindingArea::Exact, Assumed, kAsD3d);
+    p.set(&P::plane_equations, PlaneEquations::Barycentric, Assumed, kAsD3d);
+    p.set(&P::mirrors_sample_depth, false, Assumed, kAsD3d);
+    p.set(&P::depth_bias_arithmetic, DepthBiasArithmetic::D3d11, Assumed, kAsD3d);
+    p.set(&P::depth_rounding, DepthRounding::HalfUp, Assumed, kAsD3d);
+    p.set(&P::blend_arithmetic, BlendArithmetic::D3d11, Assumed, kAsD3d);
+    p.set(&P::unorm_rounding, UnormRounding::HalfUp, Assumed, kAsD3d);
+    p.set(&P::half_targets, HalfTargets::Narrowed, Assumed, kAsD3d);
+    p.set(&P::resolve_arithmetic, ResolveArithmetic::Mean, Assumed, kAsD3d);
     p.set(&P::address_arithmetic, AddressArithmetic::FixedPoint, Assumed, kAsD3d);
     p.set(&P::texel_fraction_bits, 8, Assumed, "unknown; all of its successors have 8");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Assumed, kAsD3d);
@@ -221,18 +243,31 @@ Preset g80() {
 Preset llvmpipe() {
     Preset p = d3d11();
     p.profile.name = "llvmpipe";
-    p.profile.summary = "Mesa 22.3.6 llvmpipe, its 2D filters bit for bit";
+    p.profile.summary = "Mesa 22.3.6 llvmpipe, its 2D filters, coverage, depth and blending bit for bit";
     p.set(&P::arithmetic, Arithmetic::Fp32, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c");
     p.set(&P::flush_denormals, true, Documented, "Mesa 22.3.6 lp_rast.c; compute shaders keep denormals");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "Mesa 22.3.6 lp_bld_conv.c");
     p.set(&P::raster_subpixel_bits, 8, Documented, "Mesa 22.3.6 lp_setup_tri.c");
     p.set(&P::max_samples, 4, Documented, "Mesa 22.3.6 lp_screen.c: 1 and 4");
     p.set(&P::sample_positions_4, kStandardSamples4, Documented, "Mesa 22.3.6 lp_rast.c");
+    p.set(&P::viewport_arithmetic, ViewportArithmetic::Llvmpipe, Documented,
+          "Mesa 22.3.6 draw_llvm.c generate_viewport(), lp_setup_tri.c calc_fixed_position()");
+    p.set(&P::clipping, Clipping::Llvmpipe, Documented, "Mesa 22.3.6 draw_pipe_clip.c");
+    p.set(&P::winding_area, WindingArea::Exact, Documented, "Mesa 22.3.6 lp_setup_tri.c");
+    p.set(&P::plane_equations, PlaneEquations::Llvmpipe, Documented, "Mesa 22.3.6 lp_state_setup.c, lp_bld_interp.c");
+    p.set(&P::mirrors_sample_depth, false, Documented, "Mesa 22.3.6 lp_bld_interp.c");
     p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Documented, "Mesa 22.3.6 lp_bld_quad.c");
     p.set(&P::plain_derivative, PlainDerivative::Fine, Documented, "Mesa 22.3.6 lp_bld_quad.c");
     p.set(&P::max_targets, 8, Documented, "Mesa 22.3.6 lp_screen.c");
     p.set(&P::depth_bias_place, DepthBiasPlace::Fragment, Documented, "Mesa 22.3.6 lp_state_setup.c");
     p.set(&P::depth_bias_steps, 2, Documented, "Mesa 22.3.6 lp_state_setup.c: OpenGL's unit");
+    p.set(&P::depth_bias_arithmetic, DepthBiasArithmetic::Llvmpipe, Documented, "Mesa 22.3.6 lp_state_setup.c");
+    p.set(&P::depth_rounding, DepthRounding::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_depth.c, lp_bld_conv.c");
+    p.set(&P::blend_arithmetic, BlendArithmetic::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_blend.c, lp_state_fs.c");
+    p.set(&P::unorm_rounding, UnormRounding::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_conv.c");
+    p.set(&P::half_targets, HalfTargets::TowardZero, Documented, "Mesa 22.3.6 lp_bld_conv.c lp_build_float_to_half()");
+    p.set(&P::resolve_arithmetic, ResolveArithmetic::Llvmpipe, Documented,
+          "Mesa 22.3.6 u_simple_shaders.c util_make_fs_msaa_resolve()");
     p.set(&P::address_arithmetic, AddressArithmetic::Llvmpipe, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c");
     p.set(&P::texel_fraction_bits, kExactBits, Documented, "Mesa 22.3.6 lp_bld_sample_soa.c: the whole binary32 fraction");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Documented, "Mesa 22.3.6 lp_bld_sample_aos.c: 24.8 of 8-bit formats");
@@ -266,14 +301,26 @@ Preset llvmpipe() {
 Preset swiftshader() {
     Preset p = d3d11();
     p.profile.name = "swiftshader";
-    p.profile.summary = "SwiftShader as Chromium builds it, its 2D filters bit for bit";
+    p.profile.summary = "SwiftShader as Chromium builds it, its 2D filters, coverage, depth and blending bit for bit";
     p.set(&P::arithmetic, Arithmetic::Fp32, Documented, "SwiftShader SamplerCore.cpp: high precision filtering");
     p.set(&P::flush_denormals, true, Documented, "SwiftShader SwiftConfig.cpp");
     p.set(&P::float_narrowing, Narrowing::NearestEven, Documented, "SwiftShader Half.hpp");
     p.set(&P::raster_subpixel_bits, 4, Documented, "SwiftShader VkConfig.hpp");
     p.set(&P::max_samples, 4, Documented, "SwiftShader VkPhysicalDevice.cpp: 1 and 4");
     p.set(&P::sample_positions_4, kStandardSamples4, Documented, "SwiftShader Constants.cpp");
+    p.set(&P::viewport_arithmetic, ViewportArithmetic::SwiftShader, Documented, "SwiftShader VertexRoutine.cpp");
+    p.set(&P::clipping, Clipping::SwiftShader, Documented, "SwiftShader Clipper.cpp, SetupRoutine.cpp");
+    p.set(&P::winding_area, WindingArea::Float32, Documented, "SwiftShader SetupRoutine.cpp");
+    p.set(&P::plane_equations, PlaneEquations::SwiftShader, Documented, "SwiftShader SetupRoutine.cpp, QuadRasterizer.cpp");
+    p.set(&P::mirrors_sample_depth, true, Documented, "SwiftShader QuadRasterizer.cpp: subtracts the sample's x");
     p.set(&P::derivative_corner, DerivativeCorner::TopLeft, Documented, "SwiftShader SamplerCore.cpp computeLod2D()");
+    p.set(&P::depth_bias_place, DepthBiasPlace::Fragment, Documented, "SwiftShader QuadRasterizer.cpp");
+    p.set(&P::depth_bias_arithmetic, DepthBiasArithmetic::SwiftShader, Documented, "SwiftShader SetupRoutine.cpp");
+    p.set(&P::depth_rounding, DepthRounding::NearestEven, Documented, "SwiftShader PixelRoutine.cpp");
+    p.set(&P::blend_arithmetic, BlendArithmetic::SwiftShader, Documented, "SwiftShader PixelRoutine.cpp alphaBlend()");
+    p.set(&P::unorm_rounding, UnormRounding::NearestEven, Documented, "SwiftShader PixelRoutine.cpp writeColor()");
+    p.set(&P::half_targets, HalfTargets::SwiftShader, Documented, "SwiftShader PixelRoutine.cpp, ShaderCore.cpp");
+    p.set(&P::resolve_arithmetic, ResolveArithmetic::SwiftShader, Documented, "SwiftShader Blitter.cpp");
     p.set(&P::address_arithmetic, AddressArithmetic::SwiftShader, Documented, "SwiftShader SamplerCore.cpp address()");
     p.set(&P::texel_fraction_bits, kExactBits, Documented, "SwiftShader SamplerCore.cpp: the whole binary32 fraction");
     p.set(&P::texel_rounding, FixedRounding::NearestEven, Documented, "not used: nothing is rounded");

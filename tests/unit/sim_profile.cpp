@@ -75,7 +75,7 @@ TEST_CASE("every field round-trips when it differs from the default", "[profile]
         ++fields;
         CHECK(profile_to_json(profile).find('"' + std::string(name) + '"') != std::string::npos);
     });
-    CHECK(fields == 45);
+    CHECK(fields == 56);
 }
 
 TEST_CASE("every field of every preset says how sure it is and why", "[profile]") {
