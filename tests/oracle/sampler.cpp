@@ -416,10 +416,10 @@ private:
             const Tap c = texel(level, face, inside_x, inside_y);
             Tap mean{.weight = 1, .approximate = true};
             for (std::size_t i = 0; i < components_; ++i) {
-                mean.largest[i] = std::fmax(std::fmax(std::fabs(a.value[i]), std::fabs(b.value[i])), std::fabs(c.value[i]));
-                mean.value[i] = profile_.cube_corner == gnomon::CubeCorner::ThreeTexels
-                                    ? (a.value[i] + b.value[i] + c.value[i]) / 3
-                                    : (a.value[i] + b.value[i]) / 2;
+                const bool three = profile_.cube_corner == gnomon::CubeCorner::ThreeTexels;
+                mean.largest[i] = std::fmax(std::fabs(a.value[i]), std::fabs(b.value[i]));
+                if (three) mean.largest[i] = std::fmax(mean.largest[i], std::fabs(c.value[i]));
+                mean.value[i] = three ? (a.value[i] + b.value[i] + c.value[i]) / 3 : (a.value[i] + b.value[i]) / 2;
             }
             return mean;
         }
