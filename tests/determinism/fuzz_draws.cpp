@@ -20,7 +20,6 @@ struct FuzzInput {
     Vec4<Real> position;
     Real a, b, c, layer, viewport;
 };
-constexpr int kVertexFloats = 9;
 
 struct PlainVertex {
     template <class Real>
