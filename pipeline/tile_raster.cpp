@@ -397,7 +397,7 @@ private:
             if (stores) {
                 depth_->write(wave, code, stored, passed, s);
                 for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
-                    hierarchy_->note_write(wave.quad_x[q], wave.quad_y[q]);
+                    if ((passed >> (4 * q) & 0xfu) != 0) hierarchy_->note_write(wave.quad_x[q], wave.quad_y[q]);
             }
             const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
             if (counts) {
