@@ -158,9 +158,9 @@ struct Group {
 };
 
 template <std::size_t kVaryings, class Pixel>
-Way way(std::string name, const Pixel& pixel) {
+Way way(const std::string& name, const Pixel& pixel) {
     static const Program program = make_program<WideVertex<kVaryings>, Pixel>("bench.cost");
-    return {.name = std::move(name), .program = &program, .pixel_constants = bytes_of(pixel)};
+    return {.name = name, .program = &program, .pixel_constants = bytes_of(pixel)};
 }
 Way plain(std::string name = "plain") { return way<2>(std::move(name), SumPixel<2>{}); }
 
@@ -225,8 +225,8 @@ Group output_group() {
                       w.depth = Format::D32FloatS8;
                       w.stencil = {.test = true, .front = count, .back = count};
                   }),
-             with(plain("d16 instead of d32f"), [](Way& w) { w.depth = Format::D16; }),
-             way<2>("may discard", DiscardPixel{}), way<2>("writes depth (late test)", DepthPixel{})}};
+             with(plain("d16 instead of d32f"), [](Way& w) { w.depth = Format::D16; }), way<2>("may discard", DiscardPixel{}),
+             way<2>("writes depth (late test)", DepthPixel{})}};
 }
 
 Group watch_group() {
@@ -332,6 +332,7 @@ void compare(const Group& group, const peer::RawMesh& mesh, const Options& optio
         std::vector<double> cpu_times{};
     };
     std::vector<Timed> timed;
+    timed.reserve(group.ways.size());
     for (const Way& way : group.ways) timed.push_back({CostPass(way, mesh, options)});
     for (int round = -1; round < options.rounds; ++round) {
         for (Timed& t : timed) {
