@@ -53,8 +53,8 @@ public:
     /// The bytes of every resource that a tally names, textures first, in the order of creation.
     [[nodiscard]] std::vector<ResourceTraffic> traffic(const Tally& tally) const;
 
-    /// Bytes that draws hold on to between calls, for reports: a bounded number of primitives and all vertices of one instance;
-    /// nothing per pixel or sample. docs/performance.md
+    /// Bytes that draws hold on to between calls, for reports: a bounded number of vertices, primitives and bins; nothing per
+    /// pixel or sample. docs/architecture.md (Memory)
     [[nodiscard]] std::size_t scratch_bytes() const;
     /// Off until asked for, for it is slow: every access of a dispatch is checked against those of all its other threads, and
     /// execute() throws Error at the first two whose order would show in the result. What ran until then stays.
