@@ -228,7 +228,8 @@ int main(int argc, char** argv) {
         }
         fingerprint_frame(scene, "vsm", {.map_size = 251, .format = Format::Rg16Unorm, .blur = 5}, "d3d11", threads);
         fingerprint_frame(scene, "pcf", {.map_size = 256, .taps = 3}, "d3d11", threads);
-        for (const char* driver : {"llvmpipe", "swiftshader"}) fingerprint_frame(scene, "vsm", {.map_size = 251}, driver, threads);
+        for (const char* driver : {"llvmpipe", "swiftshader"})
+            fingerprint_frame(scene, "vsm", {.map_size = 251}, driver, threads);
     }
     return 0;
 }
