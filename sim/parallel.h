@@ -8,16 +8,18 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstddef>
+#include <optional>
 
 namespace gnomon {
 
 /// A set of worker threads. `threads` = 0 takes as many as there are processors; 1 runs everything on the caller.
 class Workers {
 public:
-    explicit Workers(int threads = 0)
-        : limit_(tbb::global_control::max_allowed_parallelism,
-                 static_cast<std::size_t>(threads > 0 ? threads : tbb::info::default_concurrency())),
-          arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+    explicit Workers(int threads = 0) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {
+        // The smallest limit of a process holds for everyone in it, so only those ask who want more threads than processors.
+        if (threads > tbb::info::default_concurrency())
+            limit_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    }
 
     [[nodiscard]] int threads() { return arena_.max_concurrency(); }
 
@@ -41,7 +43,7 @@ public:
     }
 
 private:
-    tbb::global_control limit_;
+    std::optional<tbb::global_control> limit_;
     tbb::task_arena arena_;
 };
 
