@@ -20,6 +20,7 @@ struct TileEdges {
     std::array<std::int32_t, 3> b;
     std::array<std::int32_t, 3> value;  // at sample 0 of the tile's first pixel
     bool outside = false;               // no sample of the tile is covered
+    bool inside = true;                 // every one is
     // Values at the other samples, less `value`, and the extremes of that over the samples.
     std::array<std::array<std::int32_t, kMaxSamples>, 3> at_sample;
     std::array<std::int32_t, 3> least{};
@@ -28,6 +29,7 @@ struct TileEdges {
     /// Short edges relative to any pixel, nothing dropped.
     static TileEdges around(const std::array<Edge, 3>& edges, const SamplePattern& pattern, int x, int y) {
         TileEdges around;
+        around.inside = false;
         for (std::size_t i = 0; i < 3; ++i) {
             const Edge& e = edges[i];
             const auto constant = [&](std::size_t s) {
@@ -61,9 +63,10 @@ struct TileEdges {
                 high = std::max(high, c);
                 at_sample[i][s] = static_cast<std::int32_t>(c - first);
             }
-            const bool inside = origin + low + (std::min(e.a, 0) + std::int64_t{std::min(e.b, 0)}) * kReach >= 0;
+            const bool dropped = origin + low + (std::min(e.a, 0) + std::int64_t{std::min(e.b, 0)}) * kReach >= 0;
             if (origin + high + (std::max(e.a, 0) + std::int64_t{std::max(e.b, 0)}) * kReach < 0) outside = true;
-            if (inside || outside) {
+            inside = inside && dropped;
+            if (dropped || outside) {
                 a[i] = b[i] = value[i] = 0;
                 if (samples > 1) at_sample[i].fill(0);
                 continue;
@@ -89,11 +92,12 @@ inline bool has_short_edges(const std::array<Edge, 3>& edges) {
 
 /// The same edges relative to one 8x8 block.
 struct BlockEdges {
-    std::array<std::int32_t, 3> value;  // at sample 0 of the block's first pixel
-    bool outside = false;               // no sample of the block is covered
-    bool inside = true;                 // every one is
+    std::array<std::int32_t, 3> value{};  // at sample 0 of the block's first pixel
+    bool outside = false;                 // no sample of the block is covered
+    bool inside = true;                   // every one is
 
     BlockEdges(const TileEdges& tile, int dx, int dy) {
+        if (tile.inside) return;
         constexpr std::int32_t kReach = kBlockSize - 1;
         for (std::size_t i = 0; i < 3; ++i) {
             value[i] = tile.value[i] + tile.a[i] * dx + tile.b[i] * dy;

@@ -42,9 +42,10 @@ Int driver_depth_code(const Real& z, const DepthRange<typename Real::Scalar>& ra
 
 /// Clamp to the viewport's range (NaN gives its lower end) and convert to the format. D3D11.3 16.9.2.1, 17.10, 17.11
 template <class Real>
-Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type, DepthRounding rounding) {
+GNOMON_INLINE Int depth_code(const Real& z, const DepthRange<typename Real::Scalar>& range, ComponentType type,
+                             DepthRounding rounding) {
     if (rounding != DepthRounding::HalfUp) return driver_depth_code(z, range, type, rounding);
-    const Real limited = clamp(z, Real(range.least), Real(range.most));
+    const Real limited = clamp_to_numbers(z, Real(range.least), Real(range.most));
     switch (type) {
         case ComponentType::Depth16: return unorm_from_float(limited, 16);
         case ComponentType::Depth24: return unorm_from_float(limited, 24);
@@ -124,29 +125,34 @@ public:
     [[nodiscard]] const DepthState& depth() const { return depth_; }
     [[nodiscard]] const StencilState& stencil() const { return stencil_; }
 
-    /// Lanes of `mask` whose code passes at sample s.
-    [[nodiscard]] std::uint32_t test(const Wave& wave, std::uint32_t mask, Int code, int s, Int& stored) const {
-        const std::byte* plane = base_ + std::ptrdiff_t{plane_} * s;
-        if (wave.row) {
-            const std::byte* upper = row_of(plane, wave);
-            stored = load_quad_row(upper, upper + pitch_);
-        } else {
-            stored = gather_bits(plane, wave.y * Int(pitch_) + shift_left<2>(wave.x));
-        }
+    /// What is stored in a row at sample s.
+    [[nodiscard]] GNOMON_INLINE Int stored(const QuadRow& row, int s) const {
+        const std::byte* upper = row_of(base_, row, s);
+        return load_quad_row(upper, upper + pitch_);
+    }
+    [[nodiscard]] Int stored(const Wave& wave, int s) const {
+        if (wave.row) return stored(QuadRow{wave.quad_x[0], wave.quad_y[0]}, s);
+        return gather_bits(base_ + std::ptrdiff_t{plane_} * s, wave.pixels.y * Int(pitch_) + shift_left<2>(wave.pixels.x));
+    }
+
+    /// Lanes of `mask` whose code passes.
+    [[nodiscard]] GNOMON_INLINE std::uint32_t test(std::uint32_t mask, Int code, Int stored) const {
         return compare(depth_.compare, code, stored).bits() & mask;
     }
 
-    /// Writes the codes of the lanes in `passed`.
+    /// Writes the codes of the lanes in `passed` over what was stored.
+    GNOMON_INLINE void write(const QuadRow& row, Int code, Int stored, std::uint32_t passed, int s) {
+        // Lanes that failed get back what they had: the tile is this worker's alone, and rows are padded.
+        std::byte* upper = row_of(base_, row, s);
+        store_quad_row(select(Mask::from_bits(passed), code, stored), upper, upper + pitch_);
+    }
     void write(const Wave& wave, Int code, Int stored, std::uint32_t passed, int s) {
-        std::byte* plane = base_ + std::ptrdiff_t{plane_} * s;
-        const Int merged = select(Mask::from_bits(passed), code, stored);
         if (wave.row) {
-            // Lanes that failed get back what they had: the tile is this worker's alone.
-            std::byte* upper = row_of(plane, wave);
-            store_quad_row(merged, upper, upper + pitch_);
+            write(QuadRow{wave.quad_x[0], wave.quad_y[0]}, code, stored, passed, s);
             return;
         }
-        alignas(64) const std::array<std::int32_t, kLanes> lanes = merged.lanes();
+        alignas(64) const std::array<std::int32_t, kLanes> lanes = select(Mask::from_bits(passed), code, stored).lanes();
+        std::byte* plane = base_ + std::ptrdiff_t{plane_} * s;
         for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
             if ((passed >> (4 * q) & 0xfu) == 0) continue;
             std::byte* row = plane + std::ptrdiff_t{wave.quad_y[q]} * pitch_ + std::ptrdiff_t{wave.quad_x[q]} * 4;
@@ -156,19 +162,21 @@ public:
     }
 
     /// Lanes of `mask` that pass the stencil test at sample s.
-    [[nodiscard]] std::uint32_t test_stencil(const Wave& wave, std::uint32_t mask, int s, bool front) const {
+    template <class Place>
+    [[nodiscard]] std::uint32_t test_stencil(const Place& place, std::uint32_t mask, int s, bool front) const {
         const StencilFace& face = front ? stencil_.front : stencil_.back;
         std::uint32_t passed = 0;
-        for_each_lane(wave, mask, s, [&](std::uint32_t bit, const std::uint8_t* stored) {
+        for_each_lane(place, mask, s, [&](std::uint32_t bit, const std::uint8_t* stored) {
             if (stencil_passes(face.compare, stencil_.reference & stencil_.read_mask, *stored & stencil_.read_mask))
                 passed |= bit;
         });
         return passed;
     }
     /// Applies one operation to the lanes of `mask`.
-    void update_stencil(const Wave& wave, std::uint32_t mask, int s, StencilOp op) {
+    template <class Place>
+    void update_stencil(const Place& place, std::uint32_t mask, int s, StencilOp op) {
         if (op == StencilOp::Keep || stencil_.write_mask == 0) return;
-        for_each_lane(wave, mask, s, [&](std::uint32_t, std::uint8_t* stored) {
+        for_each_lane(place, mask, s, [&](std::uint32_t, std::uint8_t* stored) {
             const int result = stencil_result(op, *stored, stencil_.reference);
             *stored = static_cast<std::uint8_t>((result & stencil_.write_mask) | (*stored & ~stencil_.write_mask));
         });
@@ -176,38 +184,47 @@ public:
 
     /// The largest (or smallest) code stored in an 8x8 block that lies inside `limit`, over all samples.
     [[nodiscard]] std::int32_t block_extreme(int x, int y, const PixelRect& limit, int samples, bool largest) const {
-        std::array<std::int32_t, kBlockSize> found;
-        found.fill(largest ? 0 : std::numeric_limits<std::int32_t>::max());
-        const auto width = static_cast<std::size_t>(std::min(kBlockSize, limit.x1 - x));
+        const bool whole = x + kBlockSize <= limit.x1 && y + kBlockSize <= limit.y1;
+        Int found = stored(QuadRow{x, y}, 0);
+        if (!whole) found = Int(code_at(x, y, 0));  // what lies past the limit counts for nothing
         for (int s = 0; s < samples; ++s) {
-            for (int row = y; row < std::min(y + kBlockSize, limit.y1); ++row) {
-                std::array<std::int32_t, kBlockSize> codes = found;  // columns past the limit count for nothing
-                std::memcpy(codes.data(),
-                            base_ + std::ptrdiff_t{plane_} * s + std::ptrdiff_t{row} * pitch_ + std::ptrdiff_t{x} * 4,
-                            4 * width);
-                for (std::size_t i = 0; i < codes.size(); ++i)
-                    found[i] = largest ? std::max(found[i], codes[i]) : std::min(found[i], codes[i]);
+            for (int dy = 0; dy < kBlockSize; dy += kWaveHeight) {
+                for (int dx = 0; dx < kBlockSize; dx += kWaveWidth) {
+                    const QuadRow row{x + dx, y + dy};
+                    if (whole) {
+                        const Int codes = stored(row, s);
+                        found = largest ? max(found, codes) : min(found, codes);
+                        continue;
+                    }
+                    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                        if (row.pixel_x(lane) >= limit.x1 || row.pixel_y(lane) >= limit.y1) continue;
+                        const Int code(code_at(row.pixel_x(lane), row.pixel_y(lane), s));
+                        found = largest ? max(found, code) : min(found, code);
+                    }
+                }
             }
         }
-        return largest ? *std::ranges::max_element(found) : *std::ranges::min_element(found);
+        return largest ? max_of_lanes(found) : min_of_lanes(found);
     }
 
 private:
-    /// Where the upper row of a row of quads begins. All of its quads are in use, so all of it lies inside the (even) padding.
+    /// Where the upper row of a row of quads begins at sample s.
     template <class Byte>
-    Byte* row_of(Byte* plane, const Wave& wave) const {
-        return plane + std::ptrdiff_t{wave.quad_y[0]} * pitch_ + std::ptrdiff_t{wave.quad_x[0]} * 4;
+    Byte* row_of(Byte* base, const QuadRow& row, int s) const {
+        return base + std::ptrdiff_t{plane_} * s + std::ptrdiff_t{row.y} * pitch_ + std::ptrdiff_t{row.x} * 4;
+    }
+    [[nodiscard]] std::int32_t code_at(int x, int y, int s) const {
+        std::int32_t code = 0;
+        std::memcpy(&code, row_of(base_, QuadRow{x, y}, s), 4);
+        return code;
     }
 
-    template <class Visit>
-    void for_each_lane(const Wave& wave, std::uint32_t mask, int s, const Visit& visit) const {
+    template <class Place, class Visit>
+    void for_each_lane(const Place& place, std::uint32_t mask, int s, const Visit& visit) const {
         std::uint8_t* plane = stencil_base_ + std::ptrdiff_t{plane_ / 4} * s;
         for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
-            const std::size_t q = lane / 4;
-            const std::int32_t x = wave.quad_x[q] + static_cast<std::int32_t>(lane & 1u);
-            const std::int32_t y = wave.quad_y[q] + static_cast<std::int32_t>(lane >> 1 & 1u);
-            visit(1u << lane, plane + std::ptrdiff_t{y} * stencil_pitch_ + x);
+            visit(1u << lane, plane + std::ptrdiff_t{place.pixel_y(lane)} * stencil_pitch_ + place.pixel_x(lane));
         }
     }
 
@@ -273,15 +290,30 @@ public:
         return false;
     }
 
-    /// A quad at (x, y) was written.
-    void note_write(int x, int y) {
-        std::uint8_t& written = written_[index((x - tile_x_) / kBlockSize, (y - tile_y_) / kBlockSize)];
-        if (written < kUnknown - 1) ++written;
+    /// The lanes in `passed` were written.
+    GNOMON_INLINE void note_write(const QuadRow& row, std::uint32_t passed) {
+        if ((row.x & (kBlockSize - 1)) + kWaveWidth <= kBlockSize) {
+            note_quads(row.x, row.y, std::popcount(quad_any(passed)) / 4);
+            return;
+        }
+        for (int q = 0; q < kQuadsPerWave; ++q)
+            if ((passed >> (4 * q) & 0xfu) != 0) note_quads(row.x + 2 * q, row.y, 1);
+    }
+    void note_write(const Wave& wave, std::uint32_t passed) {
+        for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
+            if ((passed >> (4 * q) & 0xfu) != 0) note_quads(wave.quad_x[q], wave.quad_y[q], 1);
     }
     /// Another target: nothing is known.
     void forget_all() { written_.fill(kUnknown); }
 
 private:
+    void note_quads(int x, int y, int quads) {
+        constexpr auto kMask = static_cast<unsigned>(kTileSize - 1);  // tiles begin at multiples of their size
+        const unsigned block_x = (static_cast<unsigned>(x) & kMask) / kBlockSize;
+        const unsigned block_y = (static_cast<unsigned>(y) & kMask) / kBlockSize;
+        std::uint8_t& written = written_[block_y * kBlocksPerTile + block_x];
+        if (written != kUnknown) written = static_cast<std::uint8_t>(std::min(written + quads, int{kStaleQuads}));
+    }
     static std::size_t index(int block_x, int block_y) { return static_cast<std::size_t>(block_y * kBlocksPerTile + block_x); }
 
     const DepthTarget& target_;

@@ -78,7 +78,7 @@ public:
         Int bits(0);
         for (int s = 0; s < system_.samples; ++s)
             if ((system_.sample_mask >> s & 1u) != 0)
-                bits = bits | select(Mask::from_bits(wave_.samples[static_cast<std::size_t>(s)]), Int(1 << s), Int(0));
+                bits = bits | select(Mask::from_bits(wave_.samples.covered[static_cast<std::size_t>(s)]), Int(1 << s), Int(0));
         return bits;
     }
 

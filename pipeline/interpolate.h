@@ -52,18 +52,19 @@ struct PixelOffset {
 
 /// Of the position (x, y) in 1/256 of each pixel.
 template <class Real>
-GNOMON_INLINE PixelOffset<Real> pixel_offset(const Wave& wave, Int x, Int y, std::int32_t x0, std::int32_t y0) {
+GNOMON_INLINE PixelOffset<Real> pixel_offset(const PixelLanes& pixels, Int x, Int y, std::int32_t x0, std::int32_t y0) {
     const Real subpixel(1.0f / kSubpixels);
-    return {Real(shift_left<kSubpixelBits>(wave.x) + (x - Int(x0))) * subpixel,
-            Real(shift_left<kSubpixelBits>(wave.y) + (y - Int(y0))) * subpixel};
+    return {Real(shift_left<kSubpixelBits>(pixels.x) + (x - Int(x0))) * subpixel,
+            Real(shift_left<kSubpixelBits>(pixels.y) + (y - Int(y0))) * subpixel};
 }
 template <class Real>
-GNOMON_INLINE PixelOffset<Real> centre_offset(const Wave& wave, std::int32_t x0, std::int32_t y0) {
-    return pixel_offset<Real>(wave, Int(kSubpixels / 2), Int(kSubpixels / 2), x0, y0);
+GNOMON_INLINE PixelOffset<Real> centre_offset(const PixelLanes& pixels, std::int32_t x0, std::int32_t y0) {
+    return pixel_offset<Real>(pixels, Int(kSubpixels / 2), Int(kSubpixels / 2), x0, y0);
 }
 template <class Real>
-GNOMON_INLINE PixelOffset<Real> sample_offset(const Wave& wave, const SamplePosition& at, std::int32_t x0, std::int32_t y0) {
-    return pixel_offset<Real>(wave, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
+GNOMON_INLINE PixelOffset<Real> sample_offset(const PixelLanes& pixels, const SamplePosition& at, std::int32_t x0,
+                                              std::int32_t y0) {
+    return pixel_offset<Real>(pixels, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
 }
 
 /// The centroid: the centre of pixels that are covered whole, else the first sample that is covered and in the sample mask; in
@@ -83,14 +84,14 @@ PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern
     std::uint32_t whole = kAllLanes;
     for (int s = pattern.count - 1; s >= 0; --s) {
         const auto i = static_cast<std::size_t>(s);
-        whole &= wave.samples[i];
+        whole &= wave.samples.covered[i];
         if ((wanted >> s & 1u) == 0) continue;
-        const Mask covered = Mask::from_bits(wave.samples[i]);
+        const Mask covered = Mask::from_bits(wave.samples.covered[i]);
         x = select(covered, Int(pattern.at[i].x * kSampleGrid), x);
         y = select(covered, Int(pattern.at[i].y * kSampleGrid), y);
     }
     const Mask all = Mask::from_bits(whole);
-    return pixel_offset<Real>(wave, select(all, centre, x), select(all, centre, y), x0, y0);
+    return pixel_offset<Real>(wave.pixels, select(all, centre, x), select(all, centre, y), x0, y0);
 }
 
 /// Depth at an offset from the origin of its plane, in the order of operations of the profile.

@@ -15,6 +15,18 @@ namespace gnomon {
 struct TileBits {
     std::array<std::uint64_t, kTileSize> rows{};
 
+    /// Those of the row of quads whose first pixel is (x, y).
+    [[nodiscard]] std::uint32_t lanes(int x, int y) const {
+        std::uint32_t lanes = 0;
+        for (int q = 0; q < kQuadsPerWave; ++q) {
+            const auto pair = [&](int row) {
+                return static_cast<std::uint32_t>(rows[static_cast<std::size_t>(row)] >> (x + 2 * q) & 3u);
+            };
+            lanes |= (pair(y) | pair(y + 1) << 2) << (4 * q);
+        }
+        return lanes;
+    }
+
     void set(int x, int y, bool value) {
         const std::uint64_t bit = std::uint64_t{1} << x;
         rows[static_cast<std::size_t>(y)] =

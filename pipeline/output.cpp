@@ -115,7 +115,7 @@ void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask
         typename AnyCodec::Words words;
         if (target.merges) {
             // Lanes past the last quad repeat the first, lanes past the target's edge read what lies there: padding.
-            const Int offset = wave.y * Int(target.pitch) + wave.x * Int(AnyCodec::kBytes);
+            const Int offset = wave.pixels.y * Int(target.pitch) + wave.pixels.x * Int(AnyCodec::kBytes);
             const auto stored = AnyCodec::load(base, offset);
             Vec4<Real> color = colors.color;
             if (!target.state.enable) {

@@ -94,7 +94,7 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
 
     // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the
     // pixel in runs per sample too. D3D11.3 3.5.4.1.1
-    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave, x0, y0));
+    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave.pixels, x0, y0));
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     const auto centroid_point = [&]() -> EvaluationPoint<Real> {
         if (!kCentroid || job.system.samples == 1) return centre;
@@ -102,14 +102,14 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     };
     const auto sample_point = [&]() -> EvaluationPoint<Real> {
         if (!kSample && !per_sample) return centre;
-        return evaluation_point(primitive, sample_offset<Real>(job.wave, at, x0, y0));
+        return evaluation_point(primitive, sample_offset<Real>(job.wave.pixels, at, x0, y0));
     };
     const EvaluationPoint<Real> centroid = centroid_point();
     const EvaluationPoint<Real> sample = sample_point();
     const auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
     const Real& w = sample.perspective.w;  // the centre's where it runs for the whole pixel
-    const Vec4<Real> position{Real(job.wave.x) + Real(static_cast<float>(at.x) / kSampleGrid),
-                              Real(job.wave.y) + Real(static_cast<float>(at.y) / kSampleGrid), job.depth, w};
+    const Vec4<Real> position{Real(job.wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
+                              Real(job.wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid), job.depth, w};
 
     // The functor.
     LaneFlow flow{.covered = job.wave.covered, .counting = job.counting};

@@ -40,8 +40,8 @@ template <class Real, bool kMulti>
 class TileRaster {
 public:
     using Scalar = typename Real::Scalar;
-    /// Lanes by sample.
-    using SampleMasks = std::array<std::uint32_t, kMulti ? kMaxSamples : 1>;
+    using Samples = LanesBySample<kMulti ? kMaxSamples : 1>;
+    using SampleMasks = decltype(Samples::live);
     /// What all runs of the functor over a wave found, for the report.
     struct NotedDerivatives {
         std::uint32_t lanes = 0;  // with a sample that passed
@@ -51,13 +51,16 @@ public:
     TileRaster(const TileState& state, int tile_x, int tile_y, Tally* tally)
         : state_(state),
           tile_{tile_x, tile_y, tile_x + kTileSize, tile_y + kTileSize},
+          row_end_(std::min(tile_.x1, (state.width + kBlockSize - 1) & ~(kBlockSize - 1))),
           tally_(tally),
-          samples_(state.pattern.count) {
+          samples_(state.pattern.count),
+          functor_(state.program->shade_wave.template get<Real>()) {
         for (const ColorTarget& target : state.color) color_[colors_++] = target;
         if (state.depth_texture == nullptr) return;
         const PixelRect limit = intersect(tile_, {0, 0, state.width, state.height});
         depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
         hierarchy_.emplace(*depth_, tile_x, tile_y, limit, sample_count());
+        tests_all_ = depth_->stencil().test || !depth_->depth().test || tally_ != nullptr;
         uses_hierarchy_ = hierarchy_->usable() && !(state.program->pixel.writes_depth && state.order != DepthOrder::Early);
     }
 
@@ -117,19 +120,16 @@ private:
     void draw_small_triangle() {
         if (tally_ != nullptr) ++tally_->counters.tiles;
         const PixelRect area = intersect(primitive_->bounds, tile_);
-        const int first_x = area.x0 & ~1;
+        const int first_x = std::min(area.x0 & ~1, row_end_ - kWaveWidth);
         const int first_y = area.y0 & ~1;
         const TileEdges edges = TileEdges::around(primitive_->edges, state_.pattern, first_x, first_y);
         const LaneSteps steps(edges);
         for (int y = first_y; y < area.y1; y += kWaveHeight) {
             for (int x = first_x; x < area.x1; x += kWaveWidth) {
-                SampleMasks samples;
-                const std::uint32_t inside = lanes_inside(area, x, y);
-                std::uint32_t covered =
-                    cover(edges, edge_values(edges, edges.value, steps, x - first_x, y - first_y), inside, samples);
-                if (covered == 0) continue;
-                if (state_.output.sample_mask != ~0u) covered = masked_lanes(samples);
-                pack_row(x, y, covered, samples);
+                Samples samples;
+                const auto values = edge_values(edges, edges.value, steps, x - first_x, y - first_y);
+                const std::uint32_t covered = cover(edges, values, lanes_inside(area, x, y), samples.covered);
+                if (covered != 0) add({x, y}, covered, samples);
             }
         }
     }
@@ -156,27 +156,20 @@ private:
         const PixelRect area = intersect(primitive_->bounds, tile_);
         if (tally_ != nullptr) ++tally_->counters.tiles;
         std::array<TileBits, kMulti ? kMaxSamples : 1> bits;
-        for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s)
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
             bits[s] = outline_coverage(*primitive_->outline, state_.pattern.at[s], area, tile_.x0, tile_.y0);
-        add_bits(area, std::span(bits).first(static_cast<std::size_t>(samples_)));
+        add_bits(area, std::span(bits).first(static_cast<std::size_t>(sample_count())));
     }
 
-    /// Quads of a tile whose pixels are given by sample, or for all samples alike.
+    /// Pixels of a tile that are given by sample, or for all samples alike.
     void add_bits(const PixelRect& area, std::span<const TileBits> bits) {
-        for (int y = area.y0 & ~1; y < area.y1; y += 2) {
-            for (int x = area.x0 & ~1; x < area.x1; x += 2) {
-                SampleMasks samples;
-                std::uint32_t any = 0;
-                for (std::size_t s = 0; s < static_cast<std::size_t>(samples_); ++s) {
-                    const auto& rows = bits[std::min(s, bits.size() - 1)].rows;
-                    const auto pair = [&](int row) {
-                        return static_cast<std::uint32_t>(rows[static_cast<std::size_t>(row - tile_.y0)] >> (x - tile_.x0) &
-                                                          3u);
-                    };
-                    samples[s] = pair(y) | pair(y + 1) << 2;
-                    any |= samples[s];
-                }
-                if (any != 0) add_quad(x, y, any, samples, 0);
+        for (int y = area.y0 & ~(kWaveHeight - 1); y < area.y1; y += kWaveHeight) {
+            for (int x = area.x0 & ~(kWaveWidth - 1); x < area.x1; x += kWaveWidth) {
+                Samples samples;
+                std::uint32_t covered = 0;
+                for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
+                    covered |= samples.covered[s] = bits[std::min(s, bits.size() - 1)].lanes(x - tile_.x0, y - tile_.y0);
+                if (covered != 0) add({x, y}, covered, samples);
             }
         }
     }
@@ -208,123 +201,95 @@ private:
         const int first_x = std::max(0, area.x0 - x) & ~(kWaveWidth - 1);
         for (int dy = first_y; dy < std::min(kBlockSize, area.y1 - y); dy += kWaveHeight) {
             for (int dx = first_x; dx < std::min(kBlockSize, area.x1 - x); dx += kWaveWidth) {
-                SampleMasks samples;
+                Samples samples;
                 const std::uint32_t inside = whole ? kAllLanes : lanes_inside(area, x + dx, y + dy);
                 std::uint32_t covered = inside;
                 if (block.inside) {
-                    samples.fill(inside);
+                    samples.covered.fill(inside);
                 } else {
-                    covered = cover(edges, edge_values(edges, block.value, steps, dx, dy), inside, samples);
+                    covered = cover(edges, edge_values(edges, block.value, steps, dx, dy), inside, samples.covered);
                 }
-                if (covered == 0) continue;
-                add(x + dx, y + dy, covered, samples);
+                if (covered != 0) add({x + dx, y + dy}, covered, samples);
             }
         }
     }
 
-    /// A full row of quads goes straight on; loose quads are packed.
-    void add(int x, int y, std::uint32_t covered, const SampleMasks& samples) {
-        if (state_.output.sample_mask != ~0u) covered = masked_lanes(samples);
-        if (covered == 0) return;
-        if (quad_any(covered) == kAllLanes) {
-            Wave wave = row_wave(x, y, covered);
-            if constexpr (kMulti) std::copy_n(samples.begin(), sample_count(), wave.samples.begin());
-            shade(wave);
+    /// A row with covered lanes: the tests that come before the functor, then the functor for the quads that are left.
+    void add(const QuadRow& row, std::uint32_t covered, Samples& samples) {
+        samples.live = samples.covered;
+        if (state_.output.sample_mask != ~0u) {
+            covered = apply_sample_mask(samples.live);
+            if (covered == 0) return;
+        }
+        std::uint32_t live = covered;
+        if (depth_ && state_.order != DepthOrder::Late) {
+            live = 0;
+            for (int s = 0; s < sample_count(); ++s) {
+                auto& mask = samples.live[static_cast<std::size_t>(s)];
+                if (mask != 0) mask = test(row, mask, depth_of(row.pixels(), s), s, state_.order == DepthOrder::Early);
+                live |= mask;
+            }
+        }
+        if (tally_ != nullptr) count_covered(covered, live, samples);
+        if (live == 0) return;
+        if (functor_ == nullptr) {
+            if (tally_ != nullptr) count_passed(samples.live);
             return;
         }
-        pack_row(x, y, covered, samples);
-    }
-    void pack_row(int x, int y, std::uint32_t covered, const SampleMasks& samples) {
+        const std::uint32_t quads = quad_any(live);
+        if (quads == kAllLanes) {
+            shade(row_wave(row, covered, samples, sample_count()));
+            return;
+        }
         for (int q = 0; q < kQuadsPerWave; ++q) {
-            const std::uint32_t mask = covered >> (4 * q) & 0xfu;
-            if (mask != 0) pack(x + 2 * q, y, mask, samples, q);
+            if ((quads >> (4 * q) & 1u) == 0) continue;
+            packer_.add(row, q, covered, samples, sample_count());
+            if (packer_.full()) shade(packer_.take());
         }
     }
-    void add_quad(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
-        if (state_.output.sample_mask != ~0u) mask = masked_lanes(samples);
-        if (mask != 0) pack(x, y, mask, samples, from);
-    }
-    void pack(int x, int y, std::uint32_t mask, const SampleMasks& samples, int from) {
-        if constexpr (kMulti) {
-            packer_.add(x, y, mask, std::span(samples).first(static_cast<std::size_t>(sample_count())), from);
-        } else {
-            packer_.add(x, y, mask);
-        }
-        if (packer_.full()) shade(packer_.take());
-    }
-    /// The lanes with a sample that the sample mask has. D3D11.3 17.17
-    std::uint32_t masked_lanes(const SampleMasks& samples) const {
+    /// Leaves the samples that the sample mask has; returns the lanes with any. D3D11.3 17.17
+    std::uint32_t apply_sample_mask(SampleMasks& live) const {
         std::uint32_t any = 0;
-        for (int s = 0; s < sample_count(); ++s)
-            if ((state_.output.sample_mask >> s & 1u) != 0) any |= samples[static_cast<std::size_t>(s)];
+        for (int s = 0; s < sample_count(); ++s) {
+            auto& mask = live[static_cast<std::size_t>(s)];
+            if ((state_.output.sample_mask >> s & 1u) == 0) mask = 0;
+            any |= mask;
+        }
         return any;
     }
 
     /// Depth at sample s, or at the pixel centre where there is one.
-    Real depth_of(const Wave& wave, int s) const {
+    Real depth_of(const PixelLanes& pixels, int s) const {
+        if constexpr (!kMulti) return centre_depth(pixels);
         const GridPoint& origin = primitive_->z_origin;
-        const auto at =
-            kMulti ? sample_offset<Real>(wave, state_.depth_pattern.at[static_cast<std::size_t>(s)], origin.x, origin.y)
-                   : centre_offset<Real>(wave, origin.x, origin.y);
-        return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
+        const SamplePosition& at = state_.depth_pattern.at[static_cast<std::size_t>(s)];
+        return biased(
+            interpolate_depth(*primitive_, sample_offset<Real>(pixels, at, origin.x, origin.y), state_.plane_equations));
     }
-    Real centre_depth(const Wave& wave) const {
-        const auto at = centre_offset<Real>(wave, primitive_->z_origin.x, primitive_->z_origin.y);
+    Real centre_depth(const PixelLanes& pixels) const {
+        const auto at = centre_offset<Real>(pixels, primitive_->z_origin.x, primitive_->z_origin.y);
         return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
     }
     Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
 
     void shade(const Wave& wave) {
-        SampleMasks live;
-        if constexpr (kMulti) {
-            for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
-                live[s] = (state_.output.sample_mask >> s & 1u) != 0 ? wave.samples[s] : 0;
-        } else {
-            live[0] = wave.covered;
-        }
-        if (tally_ != nullptr) {
-            tally_->counters.quads_covered += static_cast<std::uint64_t>(wave.quads);
-            for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
-                tally_->counters.samples_covered += count(live[s]);
-        }
-
-        const Real at_centre = centre_depth(wave);
-        std::uint32_t any = wave.covered;
-        if (depth_ && state_.order != DepthOrder::Late) {
-            any = 0;
-            for (int s = 0; s < sample_count(); ++s) {
-                auto& mask = live[static_cast<std::size_t>(s)];
-                if (mask != 0)
-                    mask = test(wave, mask, kMulti ? depth_of(wave, s) : at_centre, s, state_.order == DepthOrder::Early);
-                any |= mask;
-            }
-            if (tally_ != nullptr)
-                tally_->counters.quads_early_killed += static_cast<std::uint64_t>(wave.quads) - count(quad_any(any)) / 4;
-        }
-        if (any == 0) return;
-        const auto functor = state_.program->shade_wave.template get<Real>();
         NotedDerivatives noted;
-        if (functor == nullptr) {
-            if (depth_ && state_.order != DepthOrder::Early) finish_depth(wave, live, nullptr);
-            count_passed(live);
-        } else if (state_.program->pixel.per_sample) {
+        if (state_.program->pixel.per_sample) {
             for (int s = 0; s < sample_count(); ++s)
-                if (live[static_cast<std::size_t>(s)] != 0) run_functor(functor, wave, live, s, depth_of(wave, s), noted);
+                if (wave.samples.live[static_cast<std::size_t>(s)] != 0) run_functor(wave, s, depth_of(wave.pixels, s), noted);
         } else {
-            run_functor(functor, wave, live, -1, at_centre, noted);
+            run_functor(wave, -1, centre_depth(wave.pixels), noted);
         }
         if (state_.derivative_report != nullptr) report_derivatives(wave, noted);
     }
 
     /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
-    void run_functor(ShadeWave<Real> functor, const Wave& wave, SampleMasks live, int sample, const Real& depth,
-                     NotedDerivatives& noted) {
-        const int first = sample < 0 ? 0 : sample;
-        const int end = sample < 0 ? sample_count() : sample + 1;
+    void run_functor(const Wave& wave, int sample, const Real& depth, NotedDerivatives& noted) {
+        SampleMasks live;
         std::uint32_t counting = 0;
         for (int s = 0; s < sample_count(); ++s) {
             auto& mask = live[static_cast<std::size_t>(s)];
-            if (s < first || s >= end) mask = 0;
+            mask = sample < 0 || s == sample ? wave.samples.live[static_cast<std::size_t>(s)] : 0;
             counting |= mask;
         }
         const PixelTraits& traits = state_.program->pixel;
@@ -343,46 +308,60 @@ private:
                                  .environment = state_.environment,
                                  .tally = tally_};
         PixelResult<Real>& result = result_;
-        functor(state_.pixel_functor, job, result);
+        functor_(state_.pixel_functor, job, result);
         if (tally_ != nullptr) count_shaded(counting, result);
 
         // What the functor and alpha leave of the coverage.
-        Int coverage(-1);
-        const bool masked = traits.writes_coverage || (state_.output.alpha_to_coverage && traits.targets > 0);
+        if (result.killed != 0)
+            for (int s = 0; s < sample_count(); ++s) live[static_cast<std::size_t>(s)] &= ~result.killed;
         if (traits.writes_coverage) {
-            coverage = result.coverage;
-        } else if (masked) {
-            coverage = alpha_coverage(result.colors[0].w, sample_count(), state_.environment.profile->alpha_to_coverage);
-        }
-        for (int s = 0; s < sample_count(); ++s) {
-            auto& mask = live[static_cast<std::size_t>(s)];
-            mask &= ~result.killed;
-            if (masked) mask &= lanes_with_bit(coverage, s);
+            keep_covered(result.coverage, live);
+        } else if (state_.output.alpha_to_coverage && traits.targets > 0) {
+            keep_covered(alpha_coverage(result.colors[0].w, sample_count(), state_.environment.profile->alpha_to_coverage),
+                         live);
         }
         if (depth_ && state_.order != DepthOrder::Early)
             finish_depth(wave, live, traits.writes_depth ? &result.depth : nullptr);
-        count_passed(live);
+        if (tally_ != nullptr) count_passed(live);
         write_colors(wave, live, result);
+        if (state_.derivative_report == nullptr) return;
         noted.causes |= result.causes;
         for (int s = 0; s < sample_count(); ++s) noted.lanes |= live[static_cast<std::size_t>(s)];
+    }
+    void keep_covered(const Int& coverage, SampleMasks& live) const {
+        for (int s = 0; s < sample_count(); ++s) live[static_cast<std::size_t>(s)] &= lanes_with_bit(coverage, s);
     }
 
     /// The tests that were put off, and their writes.
     void finish_depth(const Wave& wave, SampleMasks& live, const Real* depth) {
         for (int s = 0; s < sample_count(); ++s) {
             auto& mask = live[static_cast<std::size_t>(s)];
-            if (mask != 0) mask = test(wave, mask, depth != nullptr ? *depth : depth_of(wave, s), s, true);
+            if (mask != 0) mask = test(wave, mask, depth != nullptr ? *depth : depth_of(wave.pixels, s), s, true);
         }
     }
 
     /// Depth and stencil of the lanes in `mask` at sample s: those that pass. D3D11.3 17.9 to 17.12
-    std::uint32_t test(const Wave& wave, std::uint32_t mask, const Real& z, int s, bool writes) {
+    template <class Place>
+    GNOMON_INLINE std::uint32_t test(const Place& place, std::uint32_t mask, const Real& z, int s, bool writes) {
+        if (tests_all_) return test_all(place, mask, z, s, writes);
+        const Int code = depth_code(z, range_, depth_->type(), state_.depth_rounding);
+        const Int stored = depth_->stored(place, s);
+        const std::uint32_t passed = depth_->test(mask, code, stored);
+        if (writes && passed != 0 && depth_->depth().write) {
+            depth_->write(place, code, stored, passed, s);
+            hierarchy_->note_write(place, passed);
+        }
+        return passed;
+    }
+    /// The same with stencil, without depth, or counted.
+    template <class Place>
+    std::uint32_t test_all(const Place& place, std::uint32_t mask, const Real& z, int s, bool writes) {
         const StencilState& stencil = depth_->stencil();
         // Where the writes were put off the samples were tested before: asking again is no second test.
         const bool counts = tally_ != nullptr && !(writes && state_.order == DepthOrder::EarlyTest);
         std::uint32_t passed = mask;
         if (stencil.test) {
-            passed = depth_->test_stencil(wave, mask, s, primitive_->front);
+            passed = depth_->test_stencil(place, mask, s, primitive_->front);
             if (counts) {
                 tally_->counters.samples_stencil_tested += count(mask);
                 tally_->read(state_.depth_view.texture, count(mask));
@@ -391,13 +370,12 @@ private:
         const std::uint32_t stencil_passed = passed;
         if (depth_->depth().test && passed != 0) {
             const Int code = depth_code(z, range_, depth_->type(), state_.depth_rounding);
-            Int stored;
-            passed = depth_->test(wave, passed, code, s, stored);
+            const Int stored = depth_->stored(place, s);
+            passed = depth_->test(passed, code, stored);
             const bool stores = writes && depth_->depth().write && passed != 0;
             if (stores) {
-                depth_->write(wave, code, stored, passed, s);
-                for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
-                    if ((passed >> (4 * q) & 0xfu) != 0) hierarchy_->note_write(wave.quad_x[q], wave.quad_y[q]);
+                depth_->write(place, code, stored, passed, s);
+                hierarchy_->note_write(place, passed);
             }
             const std::uint64_t bytes = texel_bytes(state_.depth_texture->info());
             if (counts) {
@@ -408,14 +386,15 @@ private:
         }
         if (stencil.test && writes) {
             const StencilFace& face = primitive_->front ? stencil.front : stencil.back;
-            update_stencil(wave, mask & ~stencil_passed, s, face.fail);
-            update_stencil(wave, stencil_passed & ~passed, s, face.depth_fail);
-            update_stencil(wave, passed, s, face.pass);
+            update_stencil(place, mask & ~stencil_passed, s, face.fail);
+            update_stencil(place, stencil_passed & ~passed, s, face.depth_fail);
+            update_stencil(place, passed, s, face.pass);
         }
         return passed;
     }
-    void update_stencil(const Wave& wave, std::uint32_t mask, int s, StencilOp op) {
-        depth_->update_stencil(wave, mask, s, op);
+    template <class Place>
+    void update_stencil(const Place& place, std::uint32_t mask, int s, StencilOp op) {
+        depth_->update_stencil(place, mask, s, op);
         if (tally_ != nullptr && op != StencilOp::Keep && depth_->stencil().write_mask != 0)
             tally_->write(state_.depth_view.texture, count(mask));
     }
@@ -442,13 +421,20 @@ private:
             const std::uint32_t texel = ((causes.helper & bit) != 0 ? kFromHelper : 0u) |
                                         ((causes.killed & bit) != 0 ? kFromKilled : 0u) |
                                         ((causes.inactive & bit) != 0 ? kFromInactive : 0u);
-            std::byte* row = state_.derivative_report->row(0, wave.quad_y[lane / 4] + static_cast<int>(lane >> 1 & 1u));
-            std::memcpy(row + (wave.quad_x[lane / 4] + static_cast<int>(lane & 1u)) * 4, &texel, 4);
+            std::byte* row = state_.derivative_report->row(0, wave.pixel_y(lane));
+            std::memcpy(row + wave.pixel_x(lane) * 4, &texel, 4);
         }
     }
 
+    void count_covered(std::uint32_t covered, std::uint32_t live, const Samples& samples) {
+        const std::uint64_t quads = count(quad_any(covered)) / 4;
+        tally_->counters.quads_covered += quads;
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
+            if ((state_.output.sample_mask >> s & 1u) != 0) tally_->counters.samples_covered += count(samples.covered[s]);
+        if (depth_ && state_.order != DepthOrder::Late)
+            tally_->counters.quads_early_killed += quads - count(quad_any(live)) / 4;
+    }
     void count_passed(const SampleMasks& live) {
-        if (tally_ == nullptr) return;
         for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count()); ++s)
             tally_->counters.samples_passed += count(live[s]);
     }
@@ -473,9 +459,12 @@ private:
 
     const TileState& state_;
     PixelRect tile_;
+    int row_end_;  // rows of quads end here: inside the padding, and inside the tile
     Tally* tally_;
     int samples_;
     int layer_ = 0;
+    ShadeWave<Real> functor_;  // null: depth only
+    bool tests_all_ = false;   // more than depth, or less, or counters
     bool uses_hierarchy_ = false;
     const Primitive<Scalar>* primitive_ = nullptr;
     DepthRange<Scalar> range_;

@@ -8,7 +8,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 namespace gnomon {
 
@@ -19,15 +18,39 @@ inline Int lane_dx() {
 }
 inline Int lane_dy() { return shift_right_logical<1>(lane_index()) & Int(1); }
 
+/// Pixel coordinates of the lanes.
+struct PixelLanes {
+    Int x, y;
+};
+
+/// As many quads as a wave holds, side by side: where the first one's first pixel is.
+struct QuadRow {
+    int x = 0;  // even, as is y
+    int y = 0;
+
+    [[nodiscard]] PixelLanes pixels() const { return {Int(x) + lane_dx(), Int(y) + lane_dy()}; }
+    [[nodiscard]] int pixel_x(std::size_t lane) const { return x + static_cast<int>(lane / 4 * 2 + lane % 2); }
+    [[nodiscard]] int pixel_y(std::size_t lane) const { return y + static_cast<int>(lane / 2 % 2); }
+};
+
+/// Lanes by sample. Coverage is before the sample mask; what is live has passed whatever was tested so far.
+template <std::size_t kSamples>
+struct LanesBySample {
+    std::array<std::uint32_t, kSamples> covered;
+    std::array<std::uint32_t, kSamples> live;
+};
+
 struct Wave {
-    Int x;  // pixel coordinates per lane
-    Int y;
+    PixelLanes pixels;
     std::uint32_t covered = 0;  // lanes with a sample inside primitive and sample mask; the others are helpers
     int quads = 0;              // quads in use, from lane 0; lanes behind them repeat quad 0 and count for nothing
-    bool row = false;           // the quads stand side by side, from an even pixel on
+    bool row = false;           // the quads are a QuadRow
     std::array<std::int32_t, kQuadsPerWave> quad_x;  // top-left pixel of each quad in use
     std::array<std::int32_t, kQuadsPerWave> quad_y;
-    std::array<std::uint32_t, kMaxSamples> samples;  // lanes by sample, before the sample mask; not set for one per pixel
+    LanesBySample<kMaxSamples> samples;  // of as many as there are; not set for one per pixel but live[0]
+
+    [[nodiscard]] int pixel_x(std::size_t lane) const { return quad_x[lane / 4] + static_cast<int>(lane % 2); }
+    [[nodiscard]] int pixel_y(std::size_t lane) const { return quad_y[lane / 4] + static_cast<int>(lane / 2 % 2); }
 };
 
 /// Collects the quads of one primitive until a wave is full.
@@ -36,63 +59,67 @@ public:
     [[nodiscard]] bool full() const { return !taken_ && wave_.quads == kQuadsPerWave; }
     [[nodiscard]] bool empty() const { return taken_ || wave_.quads == 0; }
 
-    void add(int x, int y, std::uint32_t mask4) {
-        if (taken_) begin();
-        const auto q = static_cast<std::size_t>(wave_.quads++);
-        wave_.quad_x[q] = x;
-        wave_.quad_y[q] = y;
-        wave_.covered |= mask4 << (4 * q);
-    }
-    /// Quad number `from` of a row whose samples cover `samples`.
-    void add(int x, int y, std::uint32_t mask4, std::span<const std::uint32_t> samples, int from) {
-        if (taken_) begin();
-        const int q = wave_.quads;
-        for (std::size_t s = 0; s < samples.size(); ++s) {
-            if (q == 0) wave_.samples[s] = 0;
-            wave_.samples[s] |= (samples[s] >> (4 * from) & 0xfu) << (4 * q);
+    /// Quad number `from` of a row whose lanes are `covered`, and by sample as given.
+    template <std::size_t kSamples>
+    void add(const QuadRow& row, int from, std::uint32_t covered, const LanesBySample<kSamples>& samples, int sample_count) {
+        const int q = taken_ ? 0 : wave_.quads;
+        const auto i = static_cast<std::size_t>(q);
+        const int x = row.x + 2 * from;
+        if (q == 0) {
+            taken_ = false;
+            wave_.covered = 0;
+            wave_.samples.live[0] = 0;
+            wave_.pixels = {Int(x), Int(row.y)};
+        } else {
+            const Mask here = Mask::from_bits(0xfu << (4 * q));
+            wave_.pixels = {select(here, Int(x), wave_.pixels.x), select(here, Int(row.y), wave_.pixels.y)};
         }
-        add(x, y, mask4);
+        wave_.quads = q + 1;
+        wave_.quad_x[i] = x;
+        wave_.quad_y[i] = row.y;
+        const auto moved = [&](std::uint32_t lanes) { return (lanes >> (4 * from) & 0xfu) << (4 * q); };
+        wave_.covered |= moved(covered);
+        if (kSamples == 1) {
+            wave_.samples.live[0] |= moved(samples.live[0]);
+            return;
+        }
+        for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count); ++s) {
+            if (q == 0) wave_.samples.covered[s] = wave_.samples.live[s] = 0;
+            wave_.samples.covered[s] |= moved(samples.covered[s]);
+            wave_.samples.live[s] |= moved(samples.live[s]);
+        }
     }
 
     /// The wave so far, good until the next quad is added; the packer is empty afterwards.
     const Wave& take() {
-        alignas(64) std::array<std::int32_t, kLanes> x;
-        alignas(64) std::array<std::int32_t, kLanes> y;
-        for (std::size_t q = 0; q < kQuadsPerWave; ++q) {
-            const std::size_t from = q < static_cast<std::size_t>(wave_.quads) ? q : 0;
-            for (std::size_t i = 0; i < 4; ++i) {
-                x[4 * q + i] = wave_.quad_x[from];
-                y[4 * q + i] = wave_.quad_y[from];
-            }
-        }
-        wave_.x = Int::load(x.data()) + (lane_index() & Int(1));
-        wave_.y = Int::load(y.data()) + lane_dy();
+        wave_.pixels.x = wave_.pixels.x + (lane_index() & Int(1));
+        wave_.pixels.y = wave_.pixels.y + lane_dy();
         taken_ = true;
         return wave_;
     }
 
 private:
-    void begin() {
-        wave_.quads = 0;
-        wave_.covered = 0;
-        taken_ = false;
-    }
-
     Wave wave_;
     bool taken_ = false;
 };
 
-/// A full row of quads starting at (x, y).
-inline Wave row_wave(int x, int y, std::uint32_t covered) {
+/// A row with all of its quads in use.
+template <std::size_t kSamples>
+Wave row_wave(const QuadRow& row, std::uint32_t covered, const LanesBySample<kSamples>& samples, int sample_count) {
     Wave wave;
-    wave.x = Int(x) + lane_dx();
-    wave.y = Int(y) + lane_dy();
+    wave.pixels = row.pixels();
     wave.covered = covered;
     wave.quads = kQuadsPerWave;
     wave.row = true;
     for (int q = 0; q < kQuadsPerWave; ++q) {
-        wave.quad_x[static_cast<std::size_t>(q)] = x + 2 * q;
-        wave.quad_y[static_cast<std::size_t>(q)] = y;
+        wave.quad_x[static_cast<std::size_t>(q)] = row.x + 2 * q;
+        wave.quad_y[static_cast<std::size_t>(q)] = row.y;
+    }
+    wave.samples.live[0] = samples.live[0];
+    if (kSamples == 1) return wave;
+    for (std::size_t s = 0; s < static_cast<std::size_t>(sample_count); ++s) {
+        wave.samples.covered[s] = samples.covered[s];
+        wave.samples.live[s] = samples.live[s];
     }
     return wave;
 }

@@ -97,6 +97,7 @@ inline Mask is_nan(const Double& x) { return x != x; }
 inline Double min(const Double& a, const Double& b) { return select((a < b) | is_nan(b), a, b); }
 inline Double max(const Double& a, const Double& b) { return select((a > b) | is_nan(b), a, b); }
 inline Double clamp(const Double& x, const Double& low, const Double& high) { return min(max(x, low), high); }
+inline Double clamp_to_numbers(const Double& x, const Double& low, const Double& high) { return clamp(x, low, high); }
 inline Double saturate(const Double& x) { return clamp(x, Double(0.0), Double(1.0)); }
 inline Double abs(const Double& x) {
     return Double::map([&](std::size_t i) { return std::fabs(x.v[i]); });

@@ -23,6 +23,14 @@ inline float float_from_unorm(std::uint32_t code, int bits) {
 
 /// The same on lanes.
 inline Int unorm_from_float(Float x, int bits) {
+#if HWY_NATIVE_FMA
+    // One rounding to nearest even. As 2^n - 1 is odd, only 1/2 lies between two codes, and the upper one, 2^(n-1), is even.
+    if (bits <= 16) {
+        constexpr float kAlign = 8388608.0f;  // 2^23: the sum's mantissa is the code
+        const Float scale(static_cast<float>((1 << bits) - 1));
+        return bits_of(fused_multiply_add(saturate(x), scale, Float(kAlign))) & Int(0x7fffff);
+    }
+#endif
     const hn::RepartitionToWide<detail::FloatTag> wide;
     const hn::Half<detail::FloatTag> half;
     const hn::Half<detail::IntTag> half_int;

@@ -47,14 +47,14 @@ struct Mask {
 
     /// Bit i of `bits` is lane i.
     static Mask from_bits(std::uint32_t bits) {
-        alignas(8) const std::array<std::uint8_t, 8> bytes{static_cast<std::uint8_t>(bits),
-                                                           static_cast<std::uint8_t>(bits >> 8)};
-        return Mask(hn::LoadMaskBits(detail::FloatTag{}, bytes.data()));
+        const std::uint64_t word = bits;
+        return Mask(hn::LoadMaskBits(detail::FloatTag{}, reinterpret_cast<const std::uint8_t*>(&word)));
     }
     [[nodiscard]] std::uint32_t bits() const {
-        alignas(8) std::array<std::uint8_t, 8> bytes{};
-        hn::StoreMaskBits(detail::FloatTag{}, m, bytes.data());
-        return (static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8) & kAllLanes;
+        std::uint64_t bits = 0;  // as one word: put together from bytes it takes eight instructions
+        static_assert(std::endian::native == std::endian::little);
+        hn::StoreMaskBits(detail::FloatTag{}, m, reinterpret_cast<std::uint8_t*>(&bits));
+        return static_cast<std::uint32_t>(bits) & kAllLanes;
     }
 
     friend Mask operator&(Mask a, Mask b) { return Mask(hn::And(a.m, b.m)); }
@@ -128,6 +128,8 @@ inline Int shift_left(Int a, Int count) { return Int(hn::Shl(a.v, count.v)); }
 
 inline Int min(Int a, Int b) { return Int(hn::Min(a.v, b.v)); }
 inline Int max(Int a, Int b) { return Int(hn::Max(a.v, b.v)); }
+inline std::int32_t max_of_lanes(Int x) { return hn::GetLane(hn::MaxOfLanes(detail::IntTag{}, x.v)); }
+inline std::int32_t min_of_lanes(Int x) { return hn::GetLane(hn::MinOfLanes(detail::IntTag{}, x.v)); }
 inline Int clamp(Int x, Int low, Int high) { return min(max(x, low), high); }
 inline Int select(Mask m, Int yes, Int no) { return Int(hn::IfThenElse(hn::RebindMask(detail::IntTag{}, m.m), yes.v, no.v)); }
 
@@ -174,7 +176,12 @@ inline Float min(Float a, Float b) { return select((a < b) | is_nan(b), a, b); }
 inline Float max(Float a, Float b) { return select((a > b) | is_nan(b), a, b); }
 /// NaN gives `low`.
 inline Float clamp(Float x, Float low, Float high) { return min(max(x, low), high); }
-inline Float saturate(Float x) { return clamp(x, Float(0.0f), Float(1.0f)); }
+/// The same with ends that are numbers.
+inline Float clamp_to_numbers(Float x, Float low, Float high) {
+    const Float above = select(x > low, x, low);
+    return select(above < high, above, high);
+}
+inline Float saturate(Float x) { return clamp_to_numbers(x, Float(0.0f), Float(1.0f)); }
 
 /// a b + c with one rounding, on any instruction set: what a model of fused hardware asks for by name.
 inline Float fused_multiply_add(Float a, Float b, Float c) {

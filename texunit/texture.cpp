@@ -12,6 +12,16 @@ constexpr std::int64_t even(int size) { return size + (size & 1); }
 constexpr std::int64_t aligned(std::int64_t bytes) { return (bytes + 63) & ~std::int64_t{63}; }
 constexpr std::int64_t kTail = 4;  // gathers read 32 bits from any byte of a level's last texel
 
+/// Bytes from one row to the next. Long rows take an odd number of cache lines: with a power of two of them, the rows of a tile
+/// would fall into a few sets of the cache, and loads would wait for stores that only look like theirs.
+/// Rows of depth hold whole waves (pipeline/depth.h).
+constexpr std::int64_t row_pitch(int width, const FormatInfo& format) {
+    constexpr std::int64_t kLong = 512;
+    const std::int64_t texels = format.is_depth ? (width + 7) & ~std::int64_t{7} : even(width);
+    const std::int64_t bytes = texels * format.bytes_per_texel;
+    return bytes < kLong ? bytes : aligned(bytes) | 64;
+}
+
 /// The layers that a texture of a kind may have: lowest and highest.
 constexpr std::pair<int, int> layer_limits(TextureKind kind) {
     switch (kind) {
@@ -48,7 +58,7 @@ Texture::Texture(const TextureDesc& desc) : desc_(desc) {
     std::int64_t offset = 0;
     for (int level = 0; level < desc.levels; ++level) {
         const auto l = static_cast<std::size_t>(level);
-        const std::int64_t pitch = even(width(level)) * info().bytes_per_texel;
+        const std::int64_t pitch = row_pitch(width(level), info());
         const std::int64_t bytes = aligned(pitch * even(height(level)) + kTail);
         if ((offset + bytes) * planes > std::numeric_limits<std::int32_t>::max())
             fail("texture of {}x{} texels, {} layers and {} samples in {}: larger than 2 GiB", desc.width, desc.height,
