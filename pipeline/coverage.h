@@ -90,24 +90,30 @@ inline bool has_short_edges(const std::array<Edge, 3>& edges) {
     return std::ranges::all_of(edges, [](const Edge& e) { return std::abs(e.a) <= kShort && std::abs(e.b) <= kShort; });
 }
 
-/// The same edges relative to one 8x8 block.
-struct BlockEdges {
-    std::array<std::int32_t, 3> value{};  // at sample 0 of the block's first pixel
-    bool outside = false;                 // no sample of the block is covered
-    bool inside = true;                   // every one is
-
-    BlockEdges(const TileEdges& tile, int dx, int dy) {
-        if (tile.inside) return;
-        constexpr std::int32_t kReach = kBlockSize - 1;
-        for (std::size_t i = 0; i < 3; ++i) {
-            value[i] = tile.value[i] + tile.a[i] * dx + tile.b[i] * dy;
-            const std::int32_t rise = (std::max(tile.a[i], 0) + std::max(tile.b[i], 0)) * kReach;
-            const std::int32_t fall = (std::min(tile.a[i], 0) + std::min(tile.b[i], 0)) * kReach;
-            outside = outside || value[i] + tile.most[i] + rise < 0;
-            inside = inside && value[i] + tile.least[i] + fall >= 0;
-        }
-    }
+/// The blocks of a tile as bits, or as lanes: row by row, kBlocksPerTile in each.
+struct BlockBits {
+    std::uint32_t outside = 0;  // no sample of the block is covered
+    std::uint32_t inside = 0;   // every one is
 };
+
+/// Where blocks n, n + 1, ... of a tile lie to the edges, a block per lane.
+inline BlockBits classify_blocks(const TileEdges& tile, int n) {
+    if (tile.inside) return {0, kAllLanes};
+    const Int block = Int(n) + lane_index();
+    const Int x = block & Int(kBlocksPerTile - 1);
+    const Int y = shift_right_logical<kBlockRowBits>(block);
+    constexpr std::int32_t kReach = kBlockSize - 1;
+    Int most(0);   // negative where the most inner sample is outside an edge
+    Int least(0);  // negative where the most outer one is
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::int32_t a = tile.a[i];
+        const std::int32_t b = tile.b[i];
+        const Int value = Int(tile.value[i]) + x * Int(a * kBlockSize) + y * Int(b * kBlockSize);
+        most = most | (value + Int(tile.most[i] + (std::max(a, 0) + std::max(b, 0)) * kReach));
+        least = least | (value + Int(tile.least[i] + (std::min(a, 0) + std::min(b, 0)) * kReach));
+    }
+    return {(most < Int(0)).bits(), (least >= Int(0)).bits()};
+}
 
 /// Edge values of the lanes of a wave, less the value at its first pixel.
 struct LaneSteps {

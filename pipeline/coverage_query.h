@@ -32,7 +32,9 @@ inline constexpr float kMaxPosition = 32767.0f;  // either way: the range of 16.
 
 /// Calls visit(pixels) with what a triangle covers, in pieces of whole rows, top first and each row from the left; memory is
 /// that of a row of tiles, however large the triangle. The corners (pixels, y down, of any winding) are snapped to the
-/// profile's grid. Throws Error for positions outside +-kMaxPosition, for NaN, and for targets that the profile does not have.
+/// profile's grid; profiles that transform or clip in a way of their own (llvmpipe, swiftshader) get them in clip space, as a
+/// draw over the whole target would. Throws Error for positions outside +-kMaxPosition, for NaN, and for targets that the
+/// profile does not have.
 void visit_covered_pixels(const std::array<glm::vec2, 3>& corners, const CoverageTarget& target, const Profile& profile,
                           const std::function<void(std::span<const CoveredPixel>)>& visit);
 

@@ -53,21 +53,6 @@ GNOMON_INLINE Int depth_code(const Real& z, const DepthRange<typename Real::Scal
     }
 }
 
-/// The same for one value.
-template <class Scalar>
-std::int32_t depth_code_scalar(Scalar z, const DepthRange<Scalar>& range, ComponentType type, DepthRounding rounding) {
-    if (rounding != DepthRounding::HalfUp) {
-        using Real = std::conditional_t<std::is_same_v<Scalar, float>, Float, Double>;
-        return lane(driver_depth_code(Real(z), range, type, rounding), 0);
-    }
-    const Scalar limited = z > range.least ? (z < range.most ? z : range.most) : range.least;
-    switch (type) {
-        case ComponentType::Depth16: return static_cast<std::int32_t>(static_cast<double>(limited) * 65535.0 + 0.5);
-        case ComponentType::Depth24: return static_cast<std::int32_t>(static_cast<double>(limited) * 16777215.0 + 0.5);
-        default: return std::bit_cast<std::int32_t>(static_cast<float>(limited) + 0.0f);
-    }
-}
-
 /// One stencil value after one operation. D3D11.3 17.8
 constexpr int stencil_result(StencilOp op, int stored, int reference) {
     switch (op) {
@@ -266,28 +251,22 @@ public:
     /// Whether small codes are near.
     [[nodiscard]] bool larger_is_far() const { return larger_is_far_; }
 
-    /// Whether no sample of the block can pass if no new code is nearer than `nearest`. Never wrong, only sometimes cautious:
-    /// what a test lets through is nearer than what was there, so a farthest depth of old still bounds what is stored, and is
-    /// looked up again only when much was written since and the primitive at hand is `large` enough to pay for it.
-    bool rejects(int block_x, int block_y, std::int32_t nearest, bool large) {
-        const std::size_t i = index(block_x, block_y);
-        if (large && written_[i] >= kStaleQuads) {
-            farthest_[i] = target_.block_extreme(tile_x_ + block_x * kBlockSize, tile_y_ + block_y * kBlockSize, limit_,
-                                                 samples_, larger_is_far_);
-            written_[i] = 0;
+    /// Of the blocks n, n + 1, ... in `blocks` those where no sample can pass if no new code is nearer than `nearest`. Never
+    /// wrong, only sometimes cautious: what a test lets through is nearer than what was there, so a farthest depth of old still
+    /// bounds what is stored, and is looked up again only when much was written since.
+    std::uint32_t rejects(int n, Int nearest, std::uint32_t blocks) {
+        const std::int32_t* farthest = farthest_.data() + n;
+        std::uint32_t rejected = beyond(nearest, Int::load(farthest)) & blocks;
+        std::uint32_t looked_up = 0;
+        for (std::uint32_t rest = blocks & ~rejected; rest != 0; rest &= rest - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(rest));
+            const std::size_t block = static_cast<std::size_t>(n) + lane;
+            if (written_[block] < kStaleQuads) continue;
+            look_up(block);
+            looked_up |= 1u << lane;
         }
-        if (written_[i] == kUnknown) return false;
-        switch (target_.depth().compare) {
-            case CompareOp::Less: return nearest >= farthest_[i];
-            case CompareOp::LessEqual: return nearest > farthest_[i];
-            case CompareOp::Greater: return nearest <= farthest_[i];
-            case CompareOp::GreaterEqual: return nearest < farthest_[i];
-            case CompareOp::Never:
-            case CompareOp::Equal:
-            case CompareOp::NotEqual:
-            case CompareOp::Always: break;
-        }
-        return false;
+        if (looked_up != 0) rejected |= beyond(nearest, Int::load(farthest)) & looked_up;
+        return rejected;
     }
 
     /// The lanes in `passed` were written.
@@ -304,17 +283,39 @@ public:
             if ((passed >> (4 * q) & 0xfu) != 0) note_quads(wave.quad_x[q], wave.quad_y[q], 1);
     }
     /// Another target: nothing is known.
-    void forget_all() { written_.fill(kUnknown); }
+    void forget_all() {
+        written_.fill(kStaleQuads);
+        farthest_.fill(larger_is_far_ ? std::numeric_limits<std::int32_t>::max() : std::numeric_limits<std::int32_t>::min());
+    }
 
 private:
-    void note_quads(int x, int y, int quads) {
+    /// Blocks whose nearest new code is no nearer than the farthest stored one.
+    [[nodiscard]] std::uint32_t beyond(Int nearest, Int farthest) const {
+        switch (target_.depth().compare) {
+            case CompareOp::Less: return (nearest >= farthest).bits();
+            case CompareOp::LessEqual: return (nearest > farthest).bits();
+            case CompareOp::Greater: return (nearest <= farthest).bits();
+            case CompareOp::GreaterEqual: return (nearest < farthest).bits();
+            case CompareOp::Never:
+            case CompareOp::Equal:
+            case CompareOp::NotEqual:
+            case CompareOp::Always: break;
+        }
+        return 0;
+    }
+    void look_up(std::size_t block) {
+        const int x = static_cast<int>(block) % kBlocksPerTile * kBlockSize;
+        const int y = static_cast<int>(block) / kBlocksPerTile * kBlockSize;
+        farthest_[block] = target_.block_extreme(tile_x_ + x, tile_y_ + y, limit_, samples_, larger_is_far_);
+        written_[block] = 0;
+    }
+    GNOMON_INLINE void note_quads(int x, int y, int quads) {
         constexpr auto kMask = static_cast<unsigned>(kTileSize - 1);  // tiles begin at multiples of their size
         const unsigned block_x = (static_cast<unsigned>(x) & kMask) / kBlockSize;
         const unsigned block_y = (static_cast<unsigned>(y) & kMask) / kBlockSize;
         std::uint8_t& written = written_[block_y * kBlocksPerTile + block_x];
-        if (written != kUnknown) written = static_cast<std::uint8_t>(std::min(written + quads, int{kStaleQuads}));
+        written = static_cast<std::uint8_t>(std::min(written + quads, int{kStaleQuads}));
     }
-    static std::size_t index(int block_x, int block_y) { return static_cast<std::size_t>(block_y * kBlocksPerTile + block_x); }
 
     const DepthTarget& target_;
     int tile_x_;
@@ -324,9 +325,8 @@ private:
     bool usable_ = false;
     bool larger_is_far_ = false;
     static constexpr std::uint8_t kStaleQuads = 16;  // a whole block
-    static constexpr std::uint8_t kUnknown = 255;
     std::array<std::int32_t, kBlocksPerTile * kBlocksPerTile> farthest_;
-    std::array<std::uint8_t, kBlocksPerTile * kBlocksPerTile> written_;  // quads since farthest_ was looked up, or kUnknown
+    std::array<std::uint8_t, kBlocksPerTile * kBlocksPerTile> written_;  // quads since farthest_ was looked up
 };
 
 }  // namespace gnomon

@@ -141,7 +141,7 @@ void Device::run(const ClearDepth& command) {
         fail("texture {}: cleared to depth {}, expected 0 to 1", number(command.target.texture), command.value);
     with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
         typename AnyCodec::Words words;
-        words[0] = Int(depth_code_scalar(command.value, DepthRange<float>{}, texture.info().type, profile_.depth_rounding));
+        words[0] = depth_code(Float(command.value), DepthRange<float>{}, texture.info().type, profile_.depth_rounding);
         fill<AnyCodec>(texture, command.target, words, workers_);
     });
     count_fill(command.target, texture, texel_bytes(texture.info()));

@@ -94,7 +94,8 @@ PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern
     return pixel_offset<Real>(wave.pixels, select(all, centre, x), select(all, centre, y), x0, y0);
 }
 
-/// Depth at an offset from the origin of its plane, in the order of operations of the profile.
+/// Depth at an offset from the origin of its plane, in the order of operations of the profile. Each operation rounds
+/// monotonically, so the extremes over a rectangle are at its corners.
 template <class Real, class Scalar>
 GNOMON_INLINE Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffset<Real>& at, PlaneEquations equations) {
     switch (equations) {
@@ -104,23 +105,6 @@ GNOMON_INLINE Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffs
         case PlaneEquations::SwiftShader: return at.dx * Real(p.z_dx) + (Real(p.z0) + at.dy * Real(p.z_dy));
     }
     return Real(p.z0) + (at.dx * Real(p.z_dx) + at.dy * Real(p.z_dy));
-}
-
-/// The same expressions at one point, in 1/256 pixel. Each operation rounds monotonically, so their extremes over a rectangle
-/// are at the corners.
-template <class Scalar>
-Scalar depth_at(const Primitive<Scalar>& p, std::int32_t x, std::int32_t y, PlaneEquations equations) {
-    const auto offset = [](std::int32_t position, std::int32_t origin) {
-        return static_cast<Scalar>(position - origin) * Scalar(1.0 / kSubpixels);
-    };
-    const Scalar dx = offset(x, p.z_origin.x);
-    const Scalar dy = offset(y, p.z_origin.y);
-    switch (equations) {
-        case PlaneEquations::Barycentric: break;
-        case PlaneEquations::Llvmpipe: return std::fma(p.z_dy, dy, std::fma(p.z_dx, dx, p.z0));
-        case PlaneEquations::SwiftShader: return dx * p.z_dx + (p.z0 + dy * p.z_dy);
-    }
-    return p.z0 + (dx * p.z_dx + dy * p.z_dy);
 }
 
 /// Barycentrics of vertices 1 and 2: linear on the screen, and perspective-correct with w.

@@ -106,59 +106,84 @@ ColorTarget::ColorTarget(Texture& target, const TargetView& where, const BlendSt
     set_layer(0);
 }
 
-template <class Real>
-void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask, int s, const OutputColors<Real>& colors,
-                 const Profile& profile) {
-    std::byte* base = target.base + std::ptrdiff_t{target.plane} * s;
-    with_codec(target.texture->desc().format, [&]<class AnyCodec>(AnyCodec) {
-        constexpr std::size_t kCount = AnyCodec::kComponents;
-        typename AnyCodec::Words words;
+namespace {
+
+/// What a target stores where it holds `stored` now: blended, with the components of the write mask.
+template <class AnyCodec, class Real>
+typename AnyCodec::Words merged(const ColorTarget& target, const typename AnyCodec::Words& stored,
+                                const OutputColors<Real>& colors, const Profile& profile) {
+    constexpr std::size_t kCount = AnyCodec::kComponents;
+    typename AnyCodec::Words words;
+    if (!target.state.enable) {
+        words = encode_target<AnyCodec>(truncate<kCount>(colors.color), profile);
+    } else if (!blend_as_driver<AnyCodec>(stored, colors, target.state, profile, words)) {
+        const Vec4<Real> dst = expand(AnyCodec::template decode<Real>(stored));
+        const glm::vec4& k = colors.constant;
+        const Vec4<Real> color =
+            blend(BlendInput<Real>{colors.color, colors.second, dst, {Real(k.x), Real(k.y), Real(k.z), Real(k.w)}},
+                  target.state, blend_range(target.texture->info().type));
+        words = encode_target<AnyCodec>(truncate<kCount>(color), profile);
+    }
+    return merge_components<AnyCodec>(words, stored, target.state.write_mask);
+}
+
+/// Stores the lanes in `mask` to the plane of one sample.
+template <class AnyCodec>
+GNOMON_INLINE void store_wave(const ColorTarget& target, std::byte* plane, const Wave& wave, std::uint32_t mask,
+                const typename AnyCodec::Words& words) {
+    const std::ptrdiff_t pitch = target.pitch;
+    if (AnyCodec::kBytes == 4 && wave.row) {
+        // Lanes outside get back what they had: the tile is this worker's alone.
+        std::byte* upper = plane + wave.quad_y[0] * pitch + std::ptrdiff_t{wave.quad_x[0]} * 4;
+        Int texels = words[0];
+        if (mask != kAllLanes) texels = select(Mask::from_bits(mask), texels, load_quad_row(upper, upper + pitch));
+        store_quad_row(texels, upper, upper + pitch);
+        return;
+    }
+    const SpilledTexels<AnyCodec> spilled(words);
+    for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
+        const std::uint32_t lanes = mask >> (4 * q) & 0xfu;
+        if (lanes == 0) continue;
+        std::byte* top = plane + wave.quad_y[q] * pitch + std::ptrdiff_t{wave.quad_x[q]} * AnyCodec::kBytes;
+        std::byte* bottom = top + pitch;
+        // A whole quad of 32-bit texels is two stores.
+        if (AnyCodec::kBytes == 4 && lanes == 0xfu) {
+            std::memcpy(top, &spilled.words[0][4 * q], 8);
+            std::memcpy(bottom, &spilled.words[0][4 * q + 2], 8);
+            continue;
+        }
+        if ((lanes & 1u) != 0) spilled.store_lane(top, 4 * q);
+        if ((lanes & 2u) != 0) spilled.store_lane(top + AnyCodec::kBytes, 4 * q + 1);
+        if ((lanes & 4u) != 0) spilled.store_lane(bottom, 4 * q + 2);
+        if ((lanes & 8u) != 0) spilled.store_lane(bottom + AnyCodec::kBytes, 4 * q + 3);
+    }
+}
+
+template <class AnyCodec, class Real>
+void write_samples(const ColorTarget& target, const Wave& wave, std::span<const std::uint32_t> lanes,
+                   const OutputColors<Real>& colors, const Profile& profile) {
+    typename AnyCodec::Words words;
+    if (!target.merges) words = encode_target<AnyCodec>(truncate<AnyCodec::kComponents>(colors.color), profile);
+    for (std::size_t s = 0; s < lanes.size(); ++s) {
+        if (lanes[s] == 0) continue;
+        std::byte* plane = target.base + std::ptrdiff_t{target.plane} * static_cast<std::ptrdiff_t>(s);
         if (target.merges) {
             // Lanes past the last quad repeat the first, lanes past the target's edge read what lies there: padding.
             const Int offset = wave.pixels.y * Int(target.pitch) + wave.pixels.x * Int(AnyCodec::kBytes);
-            const auto stored = AnyCodec::load(base, offset);
-            Vec4<Real> color = colors.color;
-            if (!target.state.enable) {
-                words = encode_target<AnyCodec>(truncate<kCount>(color), profile);
-            } else if (!blend_as_driver<AnyCodec>(stored, colors, target.state, profile, words)) {
-                const Vec4<Real> dst = expand(AnyCodec::template decode<Real>(stored));
-                const glm::vec4& k = colors.constant;
-                color = blend(BlendInput<Real>{color, colors.second, dst, {Real(k.x), Real(k.y), Real(k.z), Real(k.w)}},
-                              target.state, blend_range(target.texture->info().type));
-                words = encode_target<AnyCodec>(truncate<kCount>(color), profile);
-            }
-            words = merge_components<AnyCodec>(words, stored, target.state.write_mask);
-        } else {
-            words = encode_target<AnyCodec>(truncate<kCount>(colors.color), profile);
+            words = merged<AnyCodec>(target, AnyCodec::load(plane, offset), colors, profile);
         }
-
-        const std::ptrdiff_t pitch = target.pitch;
-        if (AnyCodec::kBytes == 4 && wave.row && mask == kAllLanes) {
-            std::byte* upper = base + wave.quad_y[0] * pitch + std::ptrdiff_t{wave.quad_x[0]} * 4;
-            store_quad_row(words[0], upper, upper + pitch);
-            return;
-        }
-        const SpilledTexels<AnyCodec> spilled(words);
-        for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q) {
-            const std::uint32_t lanes = mask >> (4 * q) & 0xfu;
-            if (lanes == 0) continue;
-            std::byte* top = base + wave.quad_y[q] * pitch + std::ptrdiff_t{wave.quad_x[q]} * AnyCodec::kBytes;
-            std::byte* bottom = top + pitch;
-            // A whole quad of 32-bit texels is two stores.
-            if (AnyCodec::kBytes == 4 && lanes == 0xfu) {
-                std::memcpy(top, &spilled.words[0][4 * q], 8);
-                std::memcpy(bottom, &spilled.words[0][4 * q + 2], 8);
-                continue;
-            }
-            if ((lanes & 1u) != 0) spilled.store_lane(top, 4 * q);
-            if ((lanes & 2u) != 0) spilled.store_lane(top + AnyCodec::kBytes, 4 * q + 1);
-            if ((lanes & 4u) != 0) spilled.store_lane(bottom, 4 * q + 2);
-            if ((lanes & 8u) != 0) spilled.store_lane(bottom + AnyCodec::kBytes, 4 * q + 3);
-        }
-    });
+        store_wave<AnyCodec>(target, plane, wave, lanes[s], words);
+    }
 }
 
-template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Float>&, const Profile&);
-template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Double>&, const Profile&);
+}  // namespace
+
+template <class Real>
+ColorWriter<Real> color_writer(Format format) {
+    return with_codec(format, []<class AnyCodec>(AnyCodec) -> ColorWriter<Real> { return &write_samples<AnyCodec, Real>; });
+}
+
+template ColorWriter<Float> color_writer(Format);
+template ColorWriter<Double> color_writer(Format);
 
 }  // namespace gnomon

@@ -7,6 +7,8 @@
 #include "sim/profile.h"
 #include "texunit/texture.h"
 
+#include <span>
+
 namespace gnomon {
 
 /// A colour target of a draw, at one layer.
@@ -33,14 +35,16 @@ struct OutputColors {
     const glm::vec4& constant;
 };
 
-/// Writes the lanes in `mask` at sample s.
+/// Writes a wave: the lanes of each sample.
 template <class Real>
-void write_color(const ColorTarget& target, const Wave& wave, std::uint32_t mask, int s, const OutputColors<Real>& colors,
-                 const Profile& profile);
+using ColorWriter = void (*)(const ColorTarget& target, const Wave& wave, std::span<const std::uint32_t> lanes,
+                             const OutputColors<Real>& colors, const Profile& profile);
 
-extern template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Float>&,
-                                 const Profile&);
-extern template void write_color(const ColorTarget&, const Wave&, std::uint32_t, int, const OutputColors<Double>&,
-                                 const Profile&);
+/// To targets of a format.
+template <class Real>
+ColorWriter<Real> color_writer(Format format);
+
+extern template ColorWriter<Float> color_writer(Format);
+extern template ColorWriter<Double> color_writer(Format);
 
 }  // namespace gnomon

@@ -1,9 +1,9 @@
 #include "pipeline/tile_raster.h"
 
-#include "pipeline/coverage.h"
 #include "pipeline/depth.h"
 #include "pipeline/line.h"
 #include "pipeline/outline.h"
+#include "pipeline/triangle_walk.h"
 
 #include <optional>
 
@@ -55,7 +55,10 @@ public:
           tally_(tally),
           samples_(state.pattern.count),
           functor_(state.program->shade_wave.template get<Real>()) {
-        for (const ColorTarget& target : state.color) color_[colors_++] = target;
+        for (const ColorTarget& target : state.color) {
+            if (target.texture != nullptr) writers_[colors_] = color_writer<Real>(target.texture->desc().format);
+            color_[colors_++] = target;
+        }
         if (state.depth_texture == nullptr) return;
         const PixelRect limit = intersect(tile_, {0, 0, state.width, state.height});
         depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
@@ -78,6 +81,8 @@ public:
     }
 
 private:
+    friend class TriangleWalk<Samples, TileRaster>;
+
     /// Per pixel; known to the compiler where it is one.
     [[nodiscard]] int sample_count() const { return kMulti ? samples_ : 1; }
 
@@ -91,58 +96,10 @@ private:
     }
 
     void draw_triangle() {
-        if (is_small() && has_short_edges(primitive_->edges)) {
-            draw_small_triangle();
-            return;
-        }
-        const TileEdges edges(primitive_->edges, state_.pattern, tile_.x0, tile_.y0);
-        if (edges.outside) return;
-        if (tally_ != nullptr) ++tally_->counters.tiles;
-        const LaneSteps steps(edges);
-        const PixelRect area = intersect(primitive_->bounds, tile_);
-
-        // Blocks that the bounds touch, in rows.
-        for (int y = area.y0 & ~(kBlockSize - 1); y < area.y1; y += kBlockSize) {
-            for (int x = area.x0 & ~(kBlockSize - 1); x < area.x1; x += kBlockSize) {
-                const BlockEdges block(edges, x - tile_.x0, y - tile_.y0);
-                if (block.outside || hidden(x, y)) continue;
-                draw_block(edges, block, steps, area, x, y);
-            }
-        }
-    }
-
-    /// Few pixels: the cost of a look at blocks is more than they are worth.
-    [[nodiscard]] bool is_small() const {
-        const PixelRect& bounds = primitive_->bounds;
-        return bounds.x1 - bounds.x0 + bounds.y1 - bounds.y0 < kBlockSize;
-    }
-
-    void draw_small_triangle() {
-        if (tally_ != nullptr) ++tally_->counters.tiles;
-        const PixelRect area = intersect(primitive_->bounds, tile_);
-        const int first_x = std::min(area.x0 & ~1, row_end_ - kWaveWidth);
-        const int first_y = area.y0 & ~1;
-        const TileEdges edges = TileEdges::around(primitive_->edges, state_.pattern, first_x, first_y);
-        const LaneSteps steps(edges);
-        for (int y = first_y; y < area.y1; y += kWaveHeight) {
-            for (int x = first_x; x < area.x1; x += kWaveWidth) {
-                Samples samples;
-                const auto values = edge_values(edges, edges.value, steps, x - first_x, y - first_y);
-                const std::uint32_t covered = cover(edges, values, lanes_inside(area, x, y), samples.covered);
-                if (covered != 0) add({x, y}, covered, samples);
-            }
-        }
-    }
-
-    /// Masks of the samples inside all edges, of the lanes in `inside`; returns the lanes with any.
-    std::uint32_t cover(const TileEdges& edges, const std::array<Int, 3>& values, std::uint32_t inside,
-                        SampleMasks& samples) const {
-        std::uint32_t covered = samples[0] = coverage(values) & inside;
-        if constexpr (kMulti) {
-            for (std::size_t s = 1; s < static_cast<std::size_t>(sample_count()); ++s)
-                covered |= samples[s] = coverage(values, edges, s) & inside;
-        }
-        return covered;
+        const WalkArea area{tile_, state_.viewports[primitive_->viewport].visible, row_end_};
+        const bool touched =
+            TriangleWalk<Samples, TileRaster>(state_.pattern, area, *this).walk(primitive_->edges, primitive_->bounds);
+        if (touched && tally_ != nullptr) ++tally_->counters.tiles;
     }
 
     void draw_line() {
@@ -174,44 +131,28 @@ private:
         }
     }
 
-    /// Hierarchical depth: the nearest depth of the primitive over the block against the farthest one stored.
-    bool hidden(int x, int y) {
-        if (!uses_hierarchy_) return false;
-        const bool low = hierarchy_->larger_is_far();
+    /// Hierarchical depth: the nearest depth of the primitive over blocks n, n + 1, ... against the farthest stored in them.
+    std::uint32_t hidden(int n, std::uint32_t blocks) {
+        if (!uses_hierarchy_) return 0;
         const PixelRect& extent = state_.depth_extent;
-        const auto nearest = [&](int pixel, int first, int last, Scalar slope) {
-            return (slope > 0) == low ? pixel * kSubpixels + first : (pixel + kBlockSize - 1) * kSubpixels + last;
+        const auto nearest = [&](Scalar slope, int first, int last) {
+            return (slope > 0) == hierarchy_->larger_is_far() ? first : (kBlockSize - 1) * kSubpixels + last;
         };
-        const Scalar z = depth_at(*primitive_, nearest(x, extent.x0, extent.x1, primitive_->z_dx),
-                                  nearest(y, extent.y0, extent.y1, primitive_->z_dy), state_.plane_equations) +
-                         primitive_->z_bias;
-        if (state_.plane_equations != PlaneEquations::Barycentric && !(z - z == Scalar(0))) return false;  // may be anything
-        const bool rejected =
-            hierarchy_->rejects((x - tile_.x0) / kBlockSize, (y - tile_.y0) / kBlockSize,
-                                depth_code_scalar(z, range_, depth_->type(), state_.depth_rounding), !is_small());
-        if (rejected && tally_ != nullptr) ++tally_->counters.blocks_rejected;
-        return rejected;
-    }
-
-    void draw_block(const TileEdges& edges, const BlockEdges& block, const LaneSteps& steps, const PixelRect& area, int x,
-                    int y) {
-        const bool whole = x >= area.x0 && y >= area.y0 && x + kBlockSize <= area.x1 && y + kBlockSize <= area.y1;
-        // Rows and columns of waves that the area touches.
-        const int first_y = std::max(0, area.y0 - y) & ~(kWaveHeight - 1);
-        const int first_x = std::max(0, area.x0 - x) & ~(kWaveWidth - 1);
-        for (int dy = first_y; dy < std::min(kBlockSize, area.y1 - y); dy += kWaveHeight) {
-            for (int dx = first_x; dx < std::min(kBlockSize, area.x1 - x); dx += kWaveWidth) {
-                Samples samples;
-                const std::uint32_t inside = whole ? kAllLanes : lanes_inside(area, x + dx, y + dy);
-                std::uint32_t covered = inside;
-                if (block.inside) {
-                    samples.covered.fill(inside);
-                } else {
-                    covered = cover(edges, edge_values(edges, block.value, steps, dx, dy), inside, samples.covered);
-                }
-                if (covered != 0) add({x + dx, y + dy}, covered, samples);
-            }
-        }
+        const Int block = Int(n) + lane_index();
+        const Int x = Int(tile_.x0) + (block & Int(kBlocksPerTile - 1)) * Int(kBlockSize);
+        const Int y = Int(tile_.y0) + shift_right_logical<kBlockRowBits>(block) * Int(kBlockSize);
+        const auto at = pixel_offset<Real>({x, y}, Int(nearest(primitive_->z_dx, extent.x0, extent.x1)),
+                                           Int(nearest(primitive_->z_dy, extent.y0, extent.y1)), primitive_->z_origin.x,
+                                           primitive_->z_origin.y);
+        const Real z = biased(interpolate_depth(*primitive_, at, state_.plane_equations));
+        // Planes of drivers may be anything.
+        if (state_.plane_equations != PlaneEquations::Barycentric) blocks &= (z - z == Real(Scalar(0))).bits();
+        const std::uint32_t rejected =
+            hierarchy_->rejects(n, depth_code(z, range_, depth_->type(), state_.depth_rounding), blocks);
+        if (tally_ == nullptr) return rejected;
+        // Counters are of what is drawn, not of how: these blocks are gone through all the same.
+        tally_->counters.blocks_rejected += count(rejected);
+        return 0;
     }
 
     /// A row with covered lanes: the tests that come before the functor, then the functor for the quads that are left.
@@ -259,18 +200,18 @@ private:
     }
 
     /// Depth at sample s, or at the pixel centre where there is one.
-    Real depth_of(const PixelLanes& pixels, int s) const {
+    GNOMON_INLINE Real depth_of(const PixelLanes& pixels, int s) const {
         if constexpr (!kMulti) return centre_depth(pixels);
         const GridPoint& origin = primitive_->z_origin;
         const SamplePosition& at = state_.depth_pattern.at[static_cast<std::size_t>(s)];
         return biased(
             interpolate_depth(*primitive_, sample_offset<Real>(pixels, at, origin.x, origin.y), state_.plane_equations));
     }
-    Real centre_depth(const PixelLanes& pixels) const {
+    GNOMON_INLINE Real centre_depth(const PixelLanes& pixels) const {
         const auto at = centre_offset<Real>(pixels, primitive_->z_origin.x, primitive_->z_origin.y);
         return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
     }
-    Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
+    GNOMON_INLINE Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
 
     void shade(const Wave& wave) {
         NotedDerivatives noted;
@@ -404,12 +345,10 @@ private:
             const ColorTarget& target = color_[i];
             if (target.texture == nullptr || target.state.write_mask == 0) continue;
             const OutputColors<Real> colors{result.colors[i], result.colors[1], state_.output.blend_constant};
-            for (int s = 0; s < sample_count(); ++s) {
-                const std::uint32_t mask = live[static_cast<std::size_t>(s)];
-                if (mask == 0) continue;
-                write_color(target, wave, mask, s, colors, *state_.environment.profile);
-                if (tally_ != nullptr) count_written(target, mask);
-            }
+            const auto lanes = std::span<const std::uint32_t>(live).first(static_cast<std::size_t>(sample_count()));
+            writers_[i](target, wave, lanes, colors, *state_.environment.profile);
+            if (tally_ == nullptr) continue;
+            for (const std::uint32_t mask : lanes) count_written(target, mask);
         }
     }
 
@@ -469,6 +408,7 @@ private:
     const Primitive<Scalar>* primitive_ = nullptr;
     DepthRange<Scalar> range_;
     std::array<ColorTarget, kMaxTargets> color_;
+    std::array<ColorWriter<Real>, kMaxTargets> writers_;
     std::size_t colors_ = 0;
     std::optional<DepthTarget> depth_;
     std::optional<HierarchicalDepth> hierarchy_;

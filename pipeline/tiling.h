@@ -5,9 +5,11 @@
 
 namespace gnomon {
 
-inline constexpr int kTileSize = 64;  // pixels per side
-inline constexpr int kBlockSize = 8;  // pixels per side
-inline constexpr int kBlocksPerTile = kTileSize / kBlockSize;
+inline constexpr int kTileSize = 64;                           // pixels per side
+inline constexpr int kBlockSize = 8;                           // pixels per side
+inline constexpr int kBlocksPerTile = kTileSize / kBlockSize;  // in a row, and rows
+inline constexpr int kBlockRowBits = 3;
+static_assert(kBlocksPerTile == 1 << kBlockRowBits);
 
 /// A wave covers a row of quads inside a block.
 inline constexpr int kWaveWidth = 2 * kQuadsPerWave;  // pixels

@@ -16,7 +16,7 @@ struct Counters {
     std::uint64_t primitives_drawn = 0;    // reached the rasteriser
     // Rasteriser.
     std::uint64_t tiles = 0;            // (piece of a primitive, tile) pairs visited
-    std::uint64_t blocks_rejected = 0;  // (piece, 8x8 block) pairs that hierarchical depth dropped
+    std::uint64_t blocks_rejected = 0;  // (piece, 8x8 block) pairs that hierarchical depth drops; the rest is as if it did not
     std::uint64_t quads_covered = 0;    // with at least one sample inside
     std::uint64_t samples_covered = 0;  // inside a primitive, after scissor and sample mask
     // Depth and stencil.

@@ -76,6 +76,7 @@ void add_coverage(CLI::App& app) {
     command->footer(
         "Reads lines `x0 y0 x1 y1 x2 y2`, pixels with y down, decimal or C hexadecimal; '#' starts a comment. Prints\n"
         "`triangle x y mask` per covered pixel: triangles from 0, the mask in hexadecimal with bit s for sample s.\n"
+        "Positions are snapped to the profile's grid; llvmpipe and swiftshader clip and transform them as they do in a draw.\n"
         "  echo '1 1 9 1 1 9' | gnomon coverage --size 16x16 --samples 4");
     command->callback([options] { coverage(*options); });
 }

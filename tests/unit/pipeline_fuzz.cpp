@@ -55,6 +55,9 @@ TEST_CASE("a stencil test that does nothing changes no picture of a random strea
             CHECK(plain.bytes == idle.bytes);
             rejected += plain.counters.blocks_rejected;
             CHECK(idle.counters.blocks_rejected <= plain.counters.blocks_rejected);
+            CHECK(idle.counters.samples_covered == plain.counters.samples_covered);
+            CHECK(idle.counters.quads_covered == plain.counters.quads_covered);
+            CHECK(idle.counters.samples_passed == plain.counters.samples_passed);
         }
         CHECK(rejected > 0);
     }
