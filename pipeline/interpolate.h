@@ -107,6 +107,14 @@ GNOMON_INLINE Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffs
     return Real(p.z0) + (at.dx * Real(p.z_dx) + at.dy * Real(p.z_dy));
 }
 
+/// Depth at a position inside each pixel, with the bias of a profile that adds it to every fragment.
+template <class Real, class Scalar>
+GNOMON_INLINE Real fragment_depth(const Primitive<Scalar>& p, const PixelLanes& pixels, const SamplePosition& at,
+                                  PlaneEquations equations) {
+    const Real z = interpolate_depth(p, sample_offset<Real>(pixels, at, p.z_origin.x, p.z_origin.y), equations);
+    return p.z_bias != Scalar(0) ? z + Real(p.z_bias) : z;
+}
+
 /// Barycentrics of vertices 1 and 2: linear on the screen, and perspective-correct with w.
 template <class Real>
 struct LinearBarycentrics {

@@ -130,7 +130,7 @@ typename AnyCodec::Words merged(const ColorTarget& target, const typename AnyCod
 /// Stores the lanes in `mask` to the plane of one sample.
 template <class AnyCodec>
 GNOMON_INLINE void store_wave(const ColorTarget& target, std::byte* plane, const Wave& wave, std::uint32_t mask,
-                const typename AnyCodec::Words& words) {
+                              const typename AnyCodec::Words& words) {
     const std::ptrdiff_t pitch = target.pitch;
     if (AnyCodec::kBytes == 4 && wave.row) {
         // Lanes outside get back what they had: the tile is this worker's alone.

@@ -54,8 +54,8 @@ struct PixelJob {
     const Wave& wave;
     const SamplePattern& pattern;
     PixelSystemValues system;
-    Real depth;              // at the pixel centre, or at the sample
-    std::uint32_t counting;  // lanes whose results are wanted
+    SamplePosition depth_at;  // where depth is taken: the pixel centre, or the sample
+    std::uint32_t counting;   // lanes whose results are wanted
     const PixelEnvironment& environment;
     Tally* tally;
 };
@@ -108,8 +108,10 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const EvaluationPoint<Real> sample = sample_point();
     const auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
     const Real& w = sample.perspective.w;  // the centre's where it runs for the whole pixel
-    const Vec4<Real> position{Real(job.wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
-                              Real(job.wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid), job.depth, w};
+    const Vec4<Real> position{
+        Real(job.wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
+        Real(job.wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
+        fragment_depth<Real>(primitive, job.wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
 
     // The functor.
     LaneFlow flow{.covered = job.wave.covered, .counting = job.counting};

@@ -11,10 +11,12 @@
 
 namespace gnomon {
 
+inline constexpr SamplePosition kPixelCentre{8, 8};
+
 /// The samples of a pixel by index.
 struct SamplePattern {
     int count = 1;
-    std::array<SamplePosition, kMaxSamples> at{SamplePosition{8, 8}};
+    std::array<SamplePosition, kMaxSamples> at{kPixelCentre};
 
     [[nodiscard]] std::uint32_t all() const { return (1u << count) - 1u; }
 };

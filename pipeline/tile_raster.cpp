@@ -144,7 +144,8 @@ private:
         const auto at = pixel_offset<Real>({x, y}, Int(nearest(primitive_->z_dx, extent.x0, extent.x1)),
                                            Int(nearest(primitive_->z_dy, extent.y0, extent.y1)), primitive_->z_origin.x,
                                            primitive_->z_origin.y);
-        const Real z = biased(interpolate_depth(*primitive_, at, state_.plane_equations));
+        Real z = interpolate_depth(*primitive_, at, state_.plane_equations);
+        if (primitive_->z_bias != Scalar(0)) z = z + Real(primitive_->z_bias);
         // Planes of drivers may be anything.
         if (state_.plane_equations != PlaneEquations::Barycentric) blocks &= (z - z == Real(Scalar(0))).bits();
         const std::uint32_t rejected =
@@ -199,33 +200,27 @@ private:
         return any;
     }
 
-    /// Depth at sample s, or at the pixel centre where there is one.
+    /// Where the depth of sample s is taken: at the pixel centre where there is one.
+    [[nodiscard]] SamplePosition depth_position(int s) const {
+        return kMulti ? state_.depth_pattern.at[static_cast<std::size_t>(s)] : kPixelCentre;
+    }
     GNOMON_INLINE Real depth_of(const PixelLanes& pixels, int s) const {
-        if constexpr (!kMulti) return centre_depth(pixels);
-        const GridPoint& origin = primitive_->z_origin;
-        const SamplePosition& at = state_.depth_pattern.at[static_cast<std::size_t>(s)];
-        return biased(
-            interpolate_depth(*primitive_, sample_offset<Real>(pixels, at, origin.x, origin.y), state_.plane_equations));
+        return fragment_depth<Real>(*primitive_, pixels, depth_position(s), state_.plane_equations);
     }
-    GNOMON_INLINE Real centre_depth(const PixelLanes& pixels) const {
-        const auto at = centre_offset<Real>(pixels, primitive_->z_origin.x, primitive_->z_origin.y);
-        return biased(interpolate_depth(*primitive_, at, state_.plane_equations));
-    }
-    GNOMON_INLINE Real biased(const Real& z) const { return primitive_->z_bias != Scalar(0) ? z + Real(primitive_->z_bias) : z; }
 
     void shade(const Wave& wave) {
         NotedDerivatives noted;
         if (state_.program->pixel.per_sample) {
             for (int s = 0; s < sample_count(); ++s)
-                if (wave.samples.live[static_cast<std::size_t>(s)] != 0) run_functor(wave, s, depth_of(wave.pixels, s), noted);
+                if (wave.samples.live[static_cast<std::size_t>(s)] != 0) run_functor(wave, s, depth_position(s), noted);
         } else {
-            run_functor(wave, -1, centre_depth(wave.pixels), noted);
+            run_functor(wave, -1, kPixelCentre, noted);
         }
         if (state_.derivative_report != nullptr) report_derivatives(wave, noted);
     }
 
     /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
-    void run_functor(const Wave& wave, int sample, const Real& depth, NotedDerivatives& noted) {
+    void run_functor(const Wave& wave, int sample, const SamplePosition& depth_at, NotedDerivatives& noted) {
         SampleMasks live;
         std::uint32_t counting = 0;
         for (int s = 0; s < sample_count(); ++s) {
@@ -244,7 +239,7 @@ private:
                                             .sample = sample,
                                             .samples = sample_count(),
                                             .sample_mask = state_.output.sample_mask},
-                                 .depth = depth,
+                                 .depth_at = depth_at,
                                  .counting = counting,
                                  .environment = state_.environment,
                                  .tally = tally_};
