@@ -159,6 +159,19 @@ GNOMON_INLINE void store_wave(const ColorTarget& target, std::byte* plane, const
     }
 }
 
+std::byte* plane_of(const ColorTarget& target, std::size_t sample) {
+    return target.base + std::ptrdiff_t{target.plane} * static_cast<std::ptrdiff_t>(sample);
+}
+
+/// What most draws do: every component replaced, codes as the specification rounds them. One encoding serves all samples.
+template <class AnyCodec, class Real>
+void replace_samples(const ColorTarget& target, const Wave& wave, std::span<const std::uint32_t> lanes,
+                     const OutputColors<Real>& colors, const Profile& profile) {
+    const auto words = AnyCodec::encode(truncate<AnyCodec::kComponents>(colors.color), profile.float_narrowing);
+    for (std::size_t s = 0; s < lanes.size(); ++s)
+        if (lanes[s] != 0) store_wave<AnyCodec>(target, plane_of(target, s), wave, lanes[s], words);
+}
+
 template <class AnyCodec, class Real>
 void write_samples(const ColorTarget& target, const Wave& wave, std::span<const std::uint32_t> lanes,
                    const OutputColors<Real>& colors, const Profile& profile) {
@@ -166,7 +179,7 @@ void write_samples(const ColorTarget& target, const Wave& wave, std::span<const 
     if (!target.merges) words = encode_target<AnyCodec>(truncate<AnyCodec::kComponents>(colors.color), profile);
     for (std::size_t s = 0; s < lanes.size(); ++s) {
         if (lanes[s] == 0) continue;
-        std::byte* plane = target.base + std::ptrdiff_t{target.plane} * static_cast<std::ptrdiff_t>(s);
+        std::byte* plane = plane_of(target, s);
         if (target.merges) {
             // Lanes past the last quad repeat the first, lanes past the target's edge read what lies there: padding.
             const Int offset = wave.pixels.y * Int(target.pitch) + wave.pixels.x * Int(AnyCodec::kBytes);
@@ -179,11 +192,15 @@ void write_samples(const ColorTarget& target, const Wave& wave, std::span<const 
 }  // namespace
 
 template <class Real>
-ColorWriter<Real> color_writer(Format format) {
-    return with_codec(format, []<class AnyCodec>(AnyCodec) -> ColorWriter<Real> { return &write_samples<AnyCodec, Real>; });
+ColorWriter<Real> color_writer(const ColorTarget& target, const Profile& profile) {
+    const bool replaces =
+        !target.merges && profile.unorm_rounding == UnormRounding::HalfUp && profile.half_targets == HalfTargets::Narrowed;
+    return with_codec(target.texture->desc().format, [&]<class AnyCodec>(AnyCodec) -> ColorWriter<Real> {
+        return replaces ? &replace_samples<AnyCodec, Real> : &write_samples<AnyCodec, Real>;
+    });
 }
 
-template ColorWriter<Float> color_writer(Format);
-template ColorWriter<Double> color_writer(Format);
+template ColorWriter<Float> color_writer(const ColorTarget&, const Profile&);
+template ColorWriter<Double> color_writer(const ColorTarget&, const Profile&);
 
 }  // namespace gnomon

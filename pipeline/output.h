@@ -40,11 +40,11 @@ template <class Real>
 using ColorWriter = void (*)(const ColorTarget& target, const Wave& wave, std::span<const std::uint32_t> lanes,
                              const OutputColors<Real>& colors, const Profile& profile);
 
-/// To targets of a format.
+/// The one for a target and a profile.
 template <class Real>
-ColorWriter<Real> color_writer(Format format);
+ColorWriter<Real> color_writer(const ColorTarget& target, const Profile& profile);
 
-extern template ColorWriter<Float> color_writer(Format);
-extern template ColorWriter<Double> color_writer(Format);
+extern template ColorWriter<Float> color_writer(const ColorTarget&, const Profile&);
+extern template ColorWriter<Double> color_writer(const ColorTarget&, const Profile&);
 
 }  // namespace gnomon

@@ -76,8 +76,7 @@ inline Float swiftshader_half_value(Int code) {
 
 /// What a target stores of a colour.
 template <class AnyCodec, class Real>
-GNOMON_INLINE typename AnyCodec::Words encode_target(const std::array<Real, AnyCodec::kComponents>& texel,
-                                                     const Profile& profile) {
+typename AnyCodec::Words encode_target(const std::array<Real, AnyCodec::kComponents>& texel, const Profile& profile) {
     std::array<Int, AnyCodec::kComponents> codes;
     if constexpr (kPlainUnormBits<AnyCodec> > 0) {
         if (profile.unorm_rounding != UnormRounding::HalfUp) {

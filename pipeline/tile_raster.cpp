@@ -56,7 +56,7 @@ public:
           samples_(state.pattern.count),
           functor_(state.program->shade_wave.template get<Real>()) {
         for (const ColorTarget& target : state.color) {
-            if (target.texture != nullptr) writers_[colors_] = color_writer<Real>(target.texture->desc().format);
+            if (target.texture != nullptr) writers_[colors_] = color_writer<Real>(target, *state.environment.profile);
             color_[colors_++] = target;
         }
         if (state.depth_texture == nullptr) return;

@@ -28,7 +28,14 @@ inline Int unorm_from_float(Float x, int bits) {
     if (bits <= 16) {
         constexpr float kAlign = 8388608.0f;  // 2^23: the sum's mantissa is the code
         const Float scale(static_cast<float>((1 << bits) - 1));
-        return bits_of(fused_multiply_add(saturate(x), scale, Float(kAlign))) & Int(0x7fffff);
+#if HWY_ARCH_X86
+        // The first operand where it is larger (smaller), else the second: NaN gives 0. A denormal has code 0 whether it is
+        // flushed here or not.
+        const Float limited(hn::Min(hn::Max(x.v, Float(0.0f).v), Float(1.0f).v));
+#else
+        const Float limited = saturate(x);
+#endif
+        return bits_of(fused_multiply_add(limited, scale, Float(kAlign))) & Int(0x7fffff);
     }
 #endif
     const hn::RepartitionToWide<detail::FloatTag> wide;
