@@ -50,12 +50,12 @@ auto as_array(const Output& output) {
 /// One run.
 template <class Real>
 struct PixelJob {
-    const Primitive<typename Real::Scalar>& primitive;
-    const Wave& wave;
+    const Primitive<typename Real::Scalar>* primitive = nullptr;
+    const Wave* wave = nullptr;
     const SamplePattern& pattern;
     PixelSystemValues system;
-    SamplePosition depth_at;  // where depth is taken: the pixel centre, or the sample
-    std::uint32_t counting;   // lanes whose results are wanted
+    SamplePosition depth_at;     // where depth is taken: the pixel centre, or the sample
+    std::uint32_t counting = 0;  // lanes whose results are wanted
     const PixelEnvironment& environment;
     Tally* tally;
 };
@@ -87,37 +87,38 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     using Varyings = typename VertexFunctor::template Varyings<Real>;
     constexpr bool kCentroid = any_interpolation<Varyings, Real>(is_centroid);
     constexpr bool kSample = any_interpolation<Varyings, Real>(is_at_sample);
-    const auto& primitive = job.primitive;
+    const auto& primitive = *job.primitive;
+    const Wave& wave = *job.wave;
     const bool per_sample = job.system.sample >= 0;
     const std::int32_t x0 = primitive.x0;
     const std::int32_t y0 = primitive.y0;
 
     // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the
     // pixel in runs per sample too. D3D11.3 3.5.4.1.1
-    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(job.wave.pixels, x0, y0));
+    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(wave.pixels, x0, y0));
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     const auto centroid_point = [&]() -> EvaluationPoint<Real> {
         if (!kCentroid || job.system.samples == 1) return centre;
-        return evaluation_point(primitive, centroid_offset<Real>(job.wave, job.pattern, job.system.sample_mask, x0, y0));
+        return evaluation_point(primitive, centroid_offset<Real>(wave, job.pattern, job.system.sample_mask, x0, y0));
     };
     const auto sample_point = [&]() -> EvaluationPoint<Real> {
         if (!kSample && !per_sample) return centre;
-        return evaluation_point(primitive, sample_offset<Real>(job.wave.pixels, at, x0, y0));
+        return evaluation_point(primitive, sample_offset<Real>(wave.pixels, at, x0, y0));
     };
     const EvaluationPoint<Real> centroid = centroid_point();
     const EvaluationPoint<Real> sample = sample_point();
     const auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
     const Real& w = sample.perspective.w;  // the centre's where it runs for the whole pixel
     const Vec4<Real> position{
-        Real(job.wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
-        Real(job.wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
-        fragment_depth<Real>(primitive, job.wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
+        Real(wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
+        Real(wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
+        fragment_depth<Real>(primitive, wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
 
     // The functor.
-    LaneFlow flow{.covered = job.wave.covered, .counting = job.counting};
+    LaneFlow flow{.covered = wave.covered, .counting = job.counting};
     result.causes = {};
-    const FragmentContext<Real, Varyings> context(varyings, position, job.system, job.wave, job.environment, flow,
-                                                  result.causes, job.tally);
+    const FragmentContext<Real, Varyings> context(varyings, position, job.system, wave, job.environment, flow, result.causes,
+                                                  job.tally);
     const auto output = (*static_cast<const PixelFunctor*>(functor))(context);
     const auto& colors = as_array(output);
     for (std::size_t i = 0; i < colors.size(); ++i) result.colors[i] = colors[i];

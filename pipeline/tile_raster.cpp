@@ -52,13 +52,23 @@ public:
         : state_(state),
           tile_{tile_x, tile_y, tile_x + kTileSize, tile_y + kTileSize},
           row_end_(std::min(tile_.x1, (state.width + kBlockSize - 1) & ~(kBlockSize - 1))),
+          color_end_(std::min(tile_.x1, (state.width + 1) & ~1)),
           tally_(tally),
           samples_(state.pattern.count),
-          functor_(state.program->shade_wave.template get<Real>()) {
+          functor_(state.program->shade_wave.template get<Real>()),
+          job_{.pattern = state.pattern,
+               .system = {.samples = sample_count(), .sample_mask = state.output.sample_mask},
+               .depth_at = kPixelCentre,
+               .environment = state.environment,
+               .tally = tally} {
         for (const ColorTarget& target : state.color) {
             if (target.texture != nullptr) writers_[colors_] = color_writer<Real>(target, *state.environment.profile);
             color_[colors_++] = target;
         }
+        const PixelTraits& traits = state.program->pixel;
+        runs_simply_ = !traits.per_sample && !traits.discards && !traits.writes_coverage && !state.output.alpha_to_coverage &&
+                       (state.depth_texture == nullptr || state.order == DepthOrder::Early) && tally == nullptr &&
+                       state.derivative_report == nullptr;
         if (state.depth_texture == nullptr) return;
         const PixelRect limit = intersect(tile_, {0, 0, state.width, state.height});
         depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
@@ -69,6 +79,11 @@ public:
 
     void draw(const Primitive<Scalar>& primitive) {
         primitive_ = &primitive;
+        job_.primitive = &primitive;
+        job_.system.primitive_id = primitive.id;
+        job_.system.layer = primitive.layer;
+        job_.system.viewport = primitive.viewport;
+        job_.system.front = primitive.front;
         if (primitive.layer != layer_) set_layer(primitive.layer);
         range_ = {static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.min_depth),
                   static_cast<Scalar>(state_.viewports[primitive.viewport].viewport.max_depth)};
@@ -178,8 +193,9 @@ private:
             if (tally_ != nullptr) count_passed(samples.live);
             return;
         }
+        // A row with few gaps is shaded as it stands: its results go to memory in one piece.
         const std::uint32_t quads = quad_any(live);
-        if (quads == kAllLanes) {
+        if (quads == kAllLanes || (std::popcount(quads) >= 3 * kQuadsPerWave && row.x + kWaveWidth <= color_end_)) {
             shade(row_wave(row, covered, samples, sample_count()));
             return;
         }
@@ -209,18 +225,26 @@ private:
     }
 
     void shade(const Wave& wave) {
+        if (runs_simply_) {
+            job_.wave = &wave;
+            job_.counting = 0;
+            for (int s = 0; s < sample_count(); ++s) job_.counting |= wave.samples.live[static_cast<std::size_t>(s)];
+            functor_(state_.pixel_functor, job_, result_);
+            write_colors(wave, wave.samples.live.data());
+            return;
+        }
         NotedDerivatives noted;
         if (state_.program->pixel.per_sample) {
             for (int s = 0; s < sample_count(); ++s)
-                if (wave.samples.live[static_cast<std::size_t>(s)] != 0) run_functor(wave, s, depth_position(s), noted);
+                if (wave.samples.live[static_cast<std::size_t>(s)] != 0) run_functor(wave, s, noted);
         } else {
-            run_functor(wave, -1, kPixelCentre, noted);
+            run_functor(wave, -1, noted);
         }
         if (state_.derivative_report != nullptr) report_derivatives(wave, noted);
     }
 
     /// Runs the functor for the whole pixel (`sample` -1) or one sample, then the rest of the way.
-    void run_functor(const Wave& wave, int sample, const SamplePosition& depth_at, NotedDerivatives& noted) {
+    void run_functor(const Wave& wave, int sample, NotedDerivatives& noted) {
         SampleMasks live;
         std::uint32_t counting = 0;
         for (int s = 0; s < sample_count(); ++s) {
@@ -229,22 +253,12 @@ private:
             counting |= mask;
         }
         const PixelTraits& traits = state_.program->pixel;
-        const PixelJob<Real> job{.primitive = *primitive_,
-                                 .wave = wave,
-                                 .pattern = state_.pattern,
-                                 .system = {.primitive_id = primitive_->id,
-                                            .layer = primitive_->layer,
-                                            .viewport = primitive_->viewport,
-                                            .front = primitive_->front,
-                                            .sample = sample,
-                                            .samples = sample_count(),
-                                            .sample_mask = state_.output.sample_mask},
-                                 .depth_at = depth_at,
-                                 .counting = counting,
-                                 .environment = state_.environment,
-                                 .tally = tally_};
-        PixelResult<Real>& result = result_;
-        functor_(state_.pixel_functor, job, result);
+        job_.wave = &wave;
+        job_.counting = counting;
+        job_.system.sample = sample;
+        job_.depth_at = sample < 0 ? kPixelCentre : depth_position(sample);
+        const PixelResult<Real>& result = result_;
+        functor_(state_.pixel_functor, job_, result_);
         if (tally_ != nullptr) count_shaded(counting, result);
 
         // What the functor and alpha leave of the coverage.
@@ -259,7 +273,7 @@ private:
         if (depth_ && state_.order != DepthOrder::Early)
             finish_depth(wave, live, traits.writes_depth ? &result.depth : nullptr);
         if (tally_ != nullptr) count_passed(live);
-        write_colors(wave, live, result);
+        write_colors(wave, live.data());
         if (state_.derivative_report == nullptr) return;
         noted.causes |= result.causes;
         for (int s = 0; s < sample_count(); ++s) noted.lanes |= live[static_cast<std::size_t>(s)];
@@ -335,12 +349,13 @@ private:
             tally_->write(state_.depth_view.texture, count(mask));
     }
 
-    void write_colors(const Wave& wave, const SampleMasks& live, const PixelResult<Real>& result) {
+    /// The colours of the last run, to the lanes of each sample.
+    void write_colors(const Wave& wave, const std::uint32_t* live) {
+        const std::span lanes(live, static_cast<std::size_t>(sample_count()));
         for (std::size_t i = 0; i < colors_; ++i) {
             const ColorTarget& target = color_[i];
             if (target.texture == nullptr || target.state.write_mask == 0) continue;
-            const OutputColors<Real> colors{result.colors[i], result.colors[1], state_.output.blend_constant};
-            const auto lanes = std::span<const std::uint32_t>(live).first(static_cast<std::size_t>(sample_count()));
+            const OutputColors<Real> colors{result_.colors[i], result_.colors[1], state_.output.blend_constant};
             writers_[i](target, wave, lanes, colors, *state_.environment.profile);
             if (tally_ == nullptr) continue;
             for (const std::uint32_t mask : lanes) count_written(target, mask);
@@ -393,7 +408,8 @@ private:
 
     const TileState& state_;
     PixelRect tile_;
-    int row_end_;  // rows of quads end here: inside the padding, and inside the tile
+    int row_end_;    // rows of quads end here: inside the padding, and inside the tile
+    int color_end_;  // the same in colour targets, which are padded to quads only
     Tally* tally_;
     int samples_;
     int layer_ = 0;
@@ -408,6 +424,8 @@ private:
     std::optional<DepthTarget> depth_;
     std::optional<HierarchicalDepth> hierarchy_;
     QuadPacker packer_;
+    bool runs_simply_ = false;  // one run a wave, all lanes of which are written, and nothing to count or report
+    PixelJob<Real> job_;
     PixelResult<Real> result_;  // of the run at hand; kept, as clearing it costs more than many functors
 };
 
