@@ -41,7 +41,10 @@ Real normalised(Int code) {
         constexpr double kLeading = 1.0 / static_cast<double>(1 << kBits);
         constexpr double kRest = 1.0 / static_cast<double>((1 << kBits) - 1) - kLeading;
         const Real number(code);
-        return number * Real(static_cast<float>(kLeading)) + number * Real(static_cast<float>(kRest));
+        const Real rest = number * Real(static_cast<float>(kRest));
+        // The leading product is exact, so fused or not is the same.
+        if constexpr (HWY_NATIVE_FMA) return fused_multiply_add(number, Real(static_cast<float>(kLeading)), rest);
+        return number * Real(static_cast<float>(kLeading)) + rest;
     } else {
         return Real(code) / Real(static_cast<float>((1 << kBits) - 1));
     }
