@@ -91,6 +91,7 @@ struct Codec {
     template <class Real>
     static Texel<Real> decode(const Words& words, UnormDecode how = UnormDecode::Divide) {
         Texel<Real> texel;
+#pragma GCC unroll 4
         for (std::size_t c = 0; c < kCount; ++c) texel[c] = number<Real>(code(words, c), c, how);
         return texel;
     }

@@ -43,8 +43,11 @@ Real rounded_lerp(const Real& a, const Real& b, const Real& weight) {
     return a + floor((steps * (b - a) + Real(128.0f)) * Real(1.0f / 256.0f));
 }
 
-template <class Real>
+/// By what `Tap` knows when it is compiled, the rest by `how`.
+template <class Tap, class Real>
 GNOMON_INLINE Real blend(const Real& a, const Real& b, const Real& weight, const Blend& how) {
+    if constexpr (Tap::kIsFinite) return a + weight * (b - a);
+    if constexpr (Tap::kStandard) return lerp(a, b, weight);
     if (how.rounds_to_codes) [[unlikely]]
         return rounded_lerp(a, b, weight);
     switch (how.form) {
@@ -100,23 +103,24 @@ GNOMON_INLINE Texels<kCount, Value> read_texels(const Footprint<Real>& f, CubeCo
 }
 
 /// D3D11.3 7.18.8. Lanes of weight 1 (TexelCarry::Weight) get the right or lower texel exactly.
-template <std::size_t kCount, class Real>
+template <class Tap, std::size_t kCount, class Real>
 GNOMON_INLINE std::array<Real, kCount> bilinear(const Texels<kCount, Real>& t, const Real& u, const Real& v, const Blend& how) {
     std::array<Real, kCount> result;
     const Real one(1.0f);
     const bool carries = how.carry == TexelCarry::Weight;
+#pragma GCC unroll 4
     for (std::size_t c = 0; c < kCount; ++c) {
-        if (how.form != BilinearForm::Products || how.rounds_to_codes) {
+        if (Tap::kStandard || how.form != BilinearForm::Products || how.rounds_to_codes) {
             Real left = t[0][c];
             Real left_below = t[2][c];
             if (carries) {
                 left = select(u == one, t[1][c], left);
                 left_below = select(u == one, t[3][c], left_below);
             }
-            Real upper = blend(left, t[1][c], u, how);
-            const Real lower = blend(left_below, t[3][c], u, how);
+            Real upper = blend<Tap>(left, t[1][c], u, how);
+            const Real lower = blend<Tap>(left_below, t[3][c], u, how);
             if (carries) upper = select(v == one, lower, upper);
-            result[c] = blend(upper, lower, v, how);
+            result[c] = blend<Tap>(upper, lower, v, how);
         } else {
             const Real floor_u = one - u;
             const Real floor_v = one - v;
@@ -146,14 +150,15 @@ std::array<Real, kCount> extreme(const Texels<kCount, Real>& t, const Real& u, c
 
 /// Two levels. Weight 0 gives exactly `fine`, so that a coarser level that nobody needs cannot leak its NaN in.
 /// D3D11.3 7.18.10, 7.18.16.2
-template <std::size_t kCount, class Real>
+template <class Tap, std::size_t kCount, class Real>
 GNOMON_INLINE std::array<Real, kCount> mix_levels(const std::array<Real, kCount>& fine, const std::array<Real, kCount>& coarse,
                                                   const Real& fraction, Reduction reduction, const Blend& how) {
     std::array<Real, kCount> result;
+#pragma GCC unroll 4
     for (std::size_t c = 0; c < kCount; ++c) {
-        const Real mixed = reduction == Reduction::Average   ? blend(fine[c], coarse[c], fraction, how)
-                           : reduction == Reduction::Minimum ? min(fine[c], coarse[c])
-                                                             : max(fine[c], coarse[c]);
+        const Real mixed = Tap::kStandard || reduction == Reduction::Average ? blend<Tap>(fine[c], coarse[c], fraction, how)
+                           : reduction == Reduction::Minimum                 ? min(fine[c], coarse[c])
+                                                                             : max(fine[c], coarse[c]);
         result[c] = select(fraction > Real(0.0f), mixed, fine[c]);
     }
     return result;

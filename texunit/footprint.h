@@ -44,13 +44,13 @@ struct Lookup {
 };
 
 /// By the profile's arithmetic; `coordinate` has been through reduce_range where that is the specification's.
-template <class Real>
+template <bool kStandard, class Real>
 GNOMON_INLINE AxisTexels<Real> axis_texels(const Lookup& lookup, const Real& coordinate, Int size, int base_size, bool linear,
                                            bool vertical) {
     const AddressMode mode = vertical ? lookup.sampler.address_v : lookup.sampler.address_u;
     const int offset = vertical ? lookup.offset.y : lookup.offset.x;
     const AddressArithmetic arithmetic = lookup.profile.address_arithmetic;
-    if (arithmetic == AddressArithmetic::FixedPoint) [[likely]]
+    if (kStandard || arithmetic == AddressArithmetic::FixedPoint) [[likely]]
         return fixed_point_texels(coordinate, size, linear, mode, offset, lookup.profile);
     const PeerAxis axis{.size = size,
                         .base_power_of_two = (base_size & (base_size - 1)) == 0,
@@ -79,12 +79,13 @@ struct Footprint {
     Real fraction_v;              // weight of the lower row, [0, 1]
 };
 
+/// `kStandard`: by the specification's arithmetic, known when it is compiled.
 /// Of `level` in the texture, at a coordinate that has been through reduce_range.
-template <class Real>
+template <bool kStandard, class Real>
 GNOMON_INLINE Footprint<Real> make_footprint(const Lookup& lookup, const LevelLanes& level, const Vec2<Real>& reduced,
                                              bool linear) {
-    const AxisTexels<Real> u = axis_texels(lookup, reduced.x, level.width, lookup.view.width(), linear, false);
-    const AxisTexels<Real> v = axis_texels(lookup, reduced.y, level.height, lookup.view.height(), linear, true);
+    const AxisTexels<Real> u = axis_texels<kStandard>(lookup, reduced.x, level.width, lookup.view.width(), linear, false);
+    const AxisTexels<Real> v = axis_texels<kStandard>(lookup, reduced.y, level.height, lookup.view.height(), linear, true);
 
     Footprint<Real> footprint;
     footprint.linear = linear;

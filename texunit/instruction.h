@@ -14,23 +14,23 @@ struct LayerPosition {
     Int layer;
 };
 
-/// Slices round to nearest even and clamp, directions leave through a face. D3D11.3 22.4.15, 7.18.7
+/// Slices of an array round to nearest even and clamp. D3D11.3 22.4.15
+template <class Real>
+GNOMON_INLINE LayerPosition<Real> locate_slice(const Texture& texture, const Vec3<Real>& coordinate) {
+    Int slice(0);
+    if (texture.desc().kind == TextureKind::Array) {
+        const Real limit(static_cast<float>(kMaxLayers));
+        const Real number = select(is_nan(coordinate.z), Real(0.0f), clamp(coordinate.z, -limit, limit));
+        slice = clamp(bounded_round_to_int(number), Int(0), Int(texture.desc().layers - 1));
+    }
+    return {{coordinate.x, coordinate.y}, slice};
+}
+/// And directions leave a cube through a face. D3D11.3 7.18.7
 template <class Real>
 GNOMON_INLINE LayerPosition<Real> locate_layer(const Texture& texture, const Vec3<Real>& coordinate) {
-    switch (texture.desc().kind) {
-        case TextureKind::Flat: return {{coordinate.x, coordinate.y}, Int(0)};
-        case TextureKind::Array: {
-            const Real limit(static_cast<float>(kMaxLayers));
-            const Int slice =
-                bounded_round_to_int(select(is_nan(coordinate.z), Real(0.0f), clamp(coordinate.z, -limit, limit)));
-            return {{coordinate.x, coordinate.y}, clamp(slice, Int(0), Int(texture.desc().layers - 1))};
-        }
-        case TextureKind::Cube: {
-            const CubeDirection<Real> on = face_of(coordinate);
-            return {face_coordinate(on), on.face};
-        }
-    }
-    __builtin_unreachable();
+    if (texture.desc().kind != TextureKind::Cube) return locate_slice(texture, coordinate);
+    const CubeDirection<Real> on = face_of(coordinate);
+    return {face_coordinate(on), on.face};
 }
 
 /// How one instruction on one texture computes.
@@ -77,7 +77,8 @@ template <std::size_t kCount, class RealType, bool kCompare>
 class AnyTap {
 public:
     static constexpr bool kCompares = kCompare;
-    static constexpr bool kInlined = false;
+    static constexpr bool kStandard = false;
+    static constexpr bool kIsFinite = false;
     using Real = RealType;
 
     template <class Tap>

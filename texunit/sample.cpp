@@ -45,21 +45,16 @@ Vec4<Real> sample(const TextureView& view, const Sampler& sampler, const Profile
     Unobserved nobody;
     const auto any_format = [&] { return sample_observed<0>(view, sampler, profile, coordinate, lod, operands, nobody); };
     if constexpr (std::is_same_v<Real, Float>) {
-        const bool inlined = filters_format(format, profile) && (!lod.anisotropic || filters_by_probes(profile));
-        if (!inlined) return any_format();
+        if (!filters_format(format, profile) || !is_standard(view, sampler, profile, lod.anisotropic)) return any_format();
         const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
             constexpr std::size_t kCount = AnyCodec::kComponents;
-            using Tap = NumberTap<AnyCodec, Real>;
-            const Instruction how = decide_instruction(format, sampler, profile, false, false);
-            const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
-            const Lookup lookup{
-                view, sampler, profile, operands.offset, at.layer, how.integer_coordinates, how.fixed_coordinates};
-            const Tap tap(lookup, how.numbers);
-            SampleCore<kCount, Real, Real, Tap, Unobserved> core(lookup, how.blend, tap, nobody);
-            auto result = core.sample(at.uv, lod, operands.lod_bias);
-            if (how.numbers.code_scale != 0.0f)
-                for (Real& component : result) component = component * Real(1.0f / how.numbers.largest);
-            return expand(result);
+            using Tap = StandardNumberTap<AnyCodec, Real>;
+            const LayerPosition<Real> at = locate_slice(view.texture(), coordinate);
+            const Lookup lookup{view, sampler, profile, operands.offset, at.layer};
+            const Blend blend{.carry = profile.texel_carry};
+            const Tap tap(lookup);
+            return expand(SampleCore<kCount, Real, Real, Tap, Unobserved>(lookup, blend, tap, nobody)
+                              .sample(at.uv, lod, operands.lod_bias));
         };
         return with_common_codec(format.format, inline_format, any_format);
     } else {
@@ -78,12 +73,12 @@ Real sample_compare(const TextureView& view, const Sampler& sampler, const Profi
         return compare_observed(view, sampler, profile, coordinate, reference, lod, operands, nobody);
     };
     if constexpr (std::is_same_v<Real, Float>) {
-        if (lod.anisotropic && !filters_by_probes(profile)) return any_format();
+        if (!is_standard(view, sampler, profile, lod.anisotropic)) return any_format();
         const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
             using Tap = CompareTap<AnyCodec, Real>;
-            const LayerPosition<Real> at = locate_layer(view.texture(), coordinate);
+            const LayerPosition<Real> at = locate_slice(view.texture(), coordinate);
             const Lookup lookup{view, sampler, profile, operands.offset, at.layer};
-            const Blend blend{.form = profile.bilinear_form, .carry = profile.texel_carry};
+            const Blend blend{.carry = profile.texel_carry};
             const Tap tap(lookup, reference);
             return SampleCore<1, Real, Real, Tap, Unobserved>(lookup, blend, tap, nobody)
                 .sample(at.uv, lod, operands.lod_bias)[0];

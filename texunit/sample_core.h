@@ -38,6 +38,14 @@ inline bool filters_by_probes(const Profile& profile) {
            profile.probe_placement != ProbePlacement::Ewa;
 }
 
+/// The case that cores with an inlined tap are compiled for: the specification's filter on one slice of a texture.
+inline bool is_standard(const TextureView& view, const Sampler& sampler, const Profile& profile, bool anisotropic) {
+    return profile.address_arithmetic == AddressArithmetic::FixedPoint && profile.bilinear_form == BilinearForm::Lerp &&
+           profile.unorm_decode == UnormDecode::Divide && profile.unorm_filter == UnormFilter::Float &&
+           sampler.reduction == Reduction::Average && view.texture().desc().kind != TextureKind::Cube &&
+           (!anisotropic || filters_by_probes(profile));
+}
+
 /// The sampler that the hardware makes of the one it is given: formats that it cannot filter are point-sampled.
 inline Sampler effective_sampler(const Sampler& sampler, const FormatInfo& format, const Profile& profile) {
     if (filters_format(format, profile)) return sampler;
@@ -86,7 +94,7 @@ private:
 
     [[gnu::noinline]] Result anisotropic(const Vec2<Real>& coordinate, const LevelOfDetail<Real>& lod,
                                          const LevelPair<Real>& pair) {
-        if constexpr (!Tap::kInlined) {
+        if constexpr (!Tap::kStandard) {
             switch (lookup_.profile.aniso_rule) {
                 case AnisoRule::Llvmpipe: return llvmpipe_ellipse(coordinate, lod, pair);
                 case AnisoRule::SwiftShader: return swiftshader_probes(coordinate, lod, pair);
@@ -117,7 +125,7 @@ private:
             if (none(mixed)) return fine;
             const Int coarser = min(pair.level + Int(1), Int(lookup_.view.levels() - 1));
             const Result coarse = filter_level(coarser, pair.fraction, pair.magnify, reduced);
-            return mix_levels(fine, coarse, pair.fraction, sampler.reduction, blend_);
+            return mix_levels<Tap>(fine, coarse, pair.fraction, sampler.reduction, blend_);
         } else {
             return filter_level(pair.level, Real(1.0f), pair.magnify, reduced);
         }
@@ -158,9 +166,11 @@ private:
     }
 
     GNOMON_INLINE Footprint<Real> footprint_of(const LevelLanes& place, const Vec2<Real>& reduced, bool linear) const {
-        if (lookup_.view.texture().desc().kind == TextureKind::Cube) [[unlikely]]
-            return make_cube_footprint(lookup_, place, reduced, linear);
-        return make_footprint(lookup_, place, reduced, linear);
+        if constexpr (!Tap::kStandard) {
+            if (lookup_.view.texture().desc().kind == TextureKind::Cube)
+                return make_cube_footprint(lookup_, place, reduced, linear);
+        }
+        return make_footprint<Tap::kStandard>(lookup_, place, reduced, linear);
     }
 
     GNOMON_INLINE Result combine(const Footprint<Real>& footprint, const Texels<kCount, Value>& texels) const {
@@ -168,11 +178,12 @@ private:
             if (!footprint.linear) return texels[0];
             const Real& u = footprint.fraction_u;
             const Real& v = footprint.fraction_v;
-            if (lookup_.sampler.reduction != Reduction::Average) return extreme(texels, u, v, lookup_.sampler.reduction);
-            if constexpr (Tap::kCompares) {
+            if constexpr (!Tap::kStandard)
+                if (lookup_.sampler.reduction != Reduction::Average) return extreme(texels, u, v, lookup_.sampler.reduction);
+            if constexpr (Tap::kCompares && !Tap::kStandard) {
                 if (blend_.form == BilinearForm::FusedLerp) return llvmpipe_compared(texels, u, v);
             }
-            return bilinear(texels, u, v, blend_);
+            return bilinear<Tap>(texels, u, v, blend_);
         } else {
             return texels[0];
         }
@@ -208,7 +219,7 @@ private:
         if (any(pair.fraction > Real(0.0f))) {
             const Int coarser = min(pair.level + Int(1), Int(lookup_.view.levels() - 1));
             const Result coarse = ellipse_level(coordinate, lod, coarser, pair.fraction, !round);
-            result = mix_levels(result, coarse, pair.fraction, lookup_.sampler.reduction, blend_);
+            result = mix_levels<Tap>(result, coarse, pair.fraction, lookup_.sampler.reduction, blend_);
         }
         observer_.end_probe(result);
         if (none(round)) return result;
@@ -285,7 +296,7 @@ private:
         const Mask mixed = pair.fraction > Real(0.0f);
         if (none(mixed)) return fine;
         const Result coarse = walk(min(pair.level + Int(1), Int(lookup_.view.levels() - 1)), pair.fraction, mixed);
-        return mix_levels(fine, coarse, pair.fraction, lookup_.sampler.reduction, blend_);
+        return mix_levels<Tap>(fine, coarse, pair.fraction, lookup_.sampler.reduction, blend_);
     }
 
     /// Nearest texels of one level under an ellipse. Mesa 22.3.6 lp_bld_sample_soa.c, lp_build_sample_aniso
@@ -306,7 +317,7 @@ private:
         ellipse.for_each([&](Int u, Int v, Float weight) {
             const Mask counts = weight != Float(0.0f);
             const Vec2<Real> at{Real(Float(u) / Float(place.width)), Real(Float(v) / Float(place.height))};
-            const Footprint<Real> footprint = make_footprint(lookup_, place, prepared(at), false);
+            const Footprint<Real> footprint = make_footprint<Tap::kStandard>(lookup_, place, prepared(at), false);
             const auto texel = tap_(footprint.offset[0], footprint.outside[0]);
             const Mask first = counts & (total == Real(0.0f));
             for (std::size_t c = 0; c < kCount; ++c) {

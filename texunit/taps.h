@@ -34,12 +34,18 @@ auto border_texel(const Sampler& sampler, const Profile& profile) {
     return border;
 }
 
+// A tap says what a core may rely on when it is compiled:
+//   kCompares: what it gives are results of comparisons;
+//   kStandard: it runs only where is_standard() (sample_core.h);
+//   kIsFinite: and gives neither infinities nor NaN.
+
 /// The numbers of a texel.
 template <class AnyCodec, class RealType>
 class NumberTap {
 public:
     static constexpr bool kCompares = false;
-    static constexpr bool kInlined = true;
+    static constexpr bool kStandard = false;
+    static constexpr bool kIsFinite = false;
     using Real = RealType;
     using Texel = std::array<Real, AnyCodec::kComponents>;
 
@@ -76,12 +82,40 @@ private:
     Texel border_;
 };
 
+/// The same as the specification has them.
+template <class AnyCodec, class RealType>
+class StandardNumberTap {
+public:
+    static constexpr bool kCompares = false;
+    static constexpr bool kStandard = true;
+    static constexpr bool kIsFinite = AnyCodec::kIsUnorm;
+    using Real = RealType;
+    using Texel = std::array<Real, AnyCodec::kComponents>;
+
+    explicit StandardNumberTap(const Lookup& lookup)
+        : base_(lookup.view.texture().data()), has_border_(has_border(lookup.sampler)) {
+        if (has_border_) border_ = border_texel<AnyCodec, Real>(lookup.sampler, lookup.profile);
+    }
+    GNOMON_INLINE Texel operator()(Int offset, Mask outside) const {
+        Texel texel = AnyCodec::template decode<Real>(AnyCodec::load(base_, offset));
+        if (has_border_)
+            for (std::size_t c = 0; c < texel.size(); ++c) texel[c] = select(outside, border_[c], texel[c]);
+        return texel;
+    }
+
+private:
+    const std::byte* base_;
+    bool has_border_;
+    Texel border_;
+};
+
 /// 1 where the reference passes against red, else 0. D3D11.3 22.4.19
 template <class AnyCodec, class RealType>
 class CompareTap {
 public:
     static constexpr bool kCompares = true;
-    static constexpr bool kInlined = true;
+    static constexpr bool kStandard = true;
+    static constexpr bool kIsFinite = true;
     using Real = RealType;
 
     CompareTap(const Lookup& lookup, const Real& reference)
@@ -147,7 +181,8 @@ template <class AnyCodec>
 class CodeTap {
 public:
     static constexpr bool kCompares = false;
-    static constexpr bool kInlined = true;
+    static constexpr bool kStandard = false;
+    static constexpr bool kIsFinite = false;
 
     explicit CodeTap(const Lookup& lookup) : base_(lookup.view.texture().data()), border_(lookup.sampler) {}
     std::array<Int, 4> operator()(Int offset, Mask outside) const {

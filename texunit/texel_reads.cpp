@@ -51,7 +51,8 @@ struct CountingObserver {
 template <class Real>
 struct NoTap {
     static constexpr bool kCompares = false;
-    static constexpr bool kInlined = false;
+    static constexpr bool kStandard = false;
+    static constexpr bool kIsFinite = false;
     std::array<Real, 1> operator()(Int, Mask) const { return {Real(0.0f)}; }
 };
 
