@@ -1,6 +1,7 @@
 #include "pipeline/binning.h"
 
 #include "pipeline/peer_clip.h"
+#include "pipeline/peer_planes.h"
 #include "pipeline/peer_setup.h"
 #include "sim/denormals.h"
 
@@ -226,7 +227,9 @@ private:
         if (widest == 0) return false;
         for (std::size_t i = 0; i < 3; ++i) planes.triangle[i] = {corners[i], project(corners[i], viewport_->viewport, state_)};
         chunk_.outlines.push_back(std::move(outline));
-        set_up_outline(planes, *chunk_.outlines.back(), bounds, head, state_, chunk_.pieces.emplace_back());
+        Primitive<Scalar>& piece = chunk_.pieces.emplace_back();
+        set_up_outline(planes, *chunk_.outlines.back(), bounds, head, state_, piece);
+        piece.peer_planes = peer_planes(planes.triangle, head);
         bin(chunk_.pieces.size() - 1);
         return true;
     }
@@ -251,9 +254,19 @@ private:
         return {from, project(from, viewport_->viewport, state_)};
     }
 
+    /// Of varyings, where the profile has them.
+    const PeerPlanes<Scalar>* peer_planes(const std::array<SetupVertex<Scalar>, 3>& vertices,
+                                          const PrimitiveHead<Scalar>& head) {
+        if (state_.plane_equations == PlaneEquations::Barycentric || stride_ == kPositionScalars) return nullptr;
+        const Viewport& viewport = state_.viewports[head.viewport].viewport;
+        chunk_.peer_planes.push_back(std::make_unique<PeerPlanes<Scalar>>(make_peer_planes(vertices, viewport, state_)));
+        return chunk_.peer_planes.back().get();
+    }
+
     bool draw_triangle(const std::array<SetupVertex<Scalar>, 3>& vertices, const PrimitiveHead<Scalar>& head) {
         Primitive<Scalar>& piece = chunk_.pieces.emplace_back();
         if (set_up_triangle(vertices, head, state_, piece)) {
+            piece.peer_planes = peer_planes(vertices, head);
             bin(chunk_.pieces.size() - 1);
             return true;
         }
@@ -350,6 +363,7 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
         chunk.clipped.clear();
         chunk.taken = 0;
         chunk.outlines.clear();
+        chunk.peer_planes.clear();
         chunk.counters = {};
     };
     for (auto& chunk : out.chunks) clear(chunk);

@@ -1,6 +1,7 @@
 // Vertices to binned primitives: clipping, setup and binning, in parallel over chunks and in primitive order.
 #pragma once
 
+#include "pipeline/peer_planes.h"
 #include "pipeline/setup.h"
 #include "pipeline/vertex_stage.h"
 #include "sim/counters.h"
@@ -21,6 +22,7 @@ struct PrimitiveChunk {
     std::vector<std::unique_ptr<Scalar[]>> clipped;             // vertices that clipping made
     std::uint64_t taken = 0;                                    // primitives
     std::vector<std::unique_ptr<Outline>> outlines;             // of pieces that are filled as polygons
+    std::vector<std::unique_ptr<PeerPlanes<Scalar>>> peer_planes;
     Counters counters;
 };
 

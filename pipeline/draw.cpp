@@ -169,7 +169,9 @@ std::size_t bytes_of(const BatchScratch<Scalar>& scratch) {
     std::size_t bytes = size(scratch.vertices.scalars) + size(scratch.projected.screen) + size(scratch.projected.codes) +
                         size(scratch.primitives.refs) + size(scratch.primitives.tile_start) +
                         size(scratch.primitives.busy_tiles);
-    for (const auto& chunk : scratch.primitives.chunks) bytes += size(chunk.pieces) + size(chunk.bins);
+    for (const auto& chunk : scratch.primitives.chunks)
+        bytes += size(chunk.pieces) + size(chunk.bins) + size(chunk.peer_planes) +
+                 chunk.peer_planes.size() * sizeof(PeerPlanes<Scalar>);
     return bytes;
 }
 

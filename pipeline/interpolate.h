@@ -69,9 +69,8 @@ GNOMON_INLINE PixelOffset<Real> sample_offset(const PixelLanes& pixels, const Sa
 
 /// The centroid: the centre of pixels that are covered whole, else the first sample that is covered and in the sample mask; in
 /// helper pixels the first sample of a partial sample mask, else the centre. D3D11.3 3.5.5
-template <class Real>
-PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern, std::uint32_t sample_mask, std::int32_t x0,
-                                  std::int32_t y0) {
+/// In 1/256 of each pixel.
+inline PixelLanes centroid_position(const Wave& wave, const SamplePattern& pattern, std::uint32_t sample_mask) {
     const Int centre(kSubpixels / 2);
     Int x = centre;
     Int y = centre;
@@ -91,7 +90,7 @@ PixelOffset<Real> centroid_offset(const Wave& wave, const SamplePattern& pattern
         y = select(covered, Int(pattern.at[i].y * kSampleGrid), y);
     }
     const Mask all = Mask::from_bits(whole);
-    return pixel_offset<Real>(wave.pixels, select(all, centre, x), select(all, centre, y), x0, y0);
+    return {select(all, centre, x), select(all, centre, y)};
 }
 
 /// Depth at an offset from the origin of its plane, in the order of operations of the profile. Each operation rounds
@@ -183,6 +182,14 @@ GNOMON_INLINE Varyings interpolate_varyings(const Primitive<Scalar>& p, const Ev
             return std::bit_cast<Varyings>(values);
         }(std::make_index_sequence<sizeof(Varyings) / sizeof(Real)>());
     }
+}
+
+/// All modes of a varyings struct.
+template <class Varyings, class Real>
+constexpr auto interpolations() {
+    return []<std::size_t... kIndex>(std::index_sequence<kIndex...>) {
+        return std::array<Interpolation, sizeof...(kIndex)>{interpolation_of<Varyings>(kIndex)...};
+    }(std::make_index_sequence<sizeof(Varyings) / sizeof(Real)>());
 }
 
 /// The modes that decide how a functor is run.

@@ -142,36 +142,18 @@ DepthPlane llvmpipe_plane(const std::array<SetupVertex<Scalar>, 3>& triangle, co
     return plane;
 }
 
-/// Through snapped positions, from the vertex of largest w; among equals, what a rotation for the smallest y left first.
+/// Through snapped positions.
 template <class Scalar>
 DepthPlane swiftshader_plane(const std::array<SetupVertex<Scalar>, 3>& triangle, const Viewport& viewport,
                              const SetupState& state) {
-    std::array<Clip, 3> v{clip_of(triangle[0].record), clip_of(triangle[1].record), clip_of(triangle[2].record)};
-    const auto rotate = [&v](const std::array<float, 3>& keys, float chosen) {
-        if (chosen == keys[1]) v = {v[1], v[2], v[0]};
-        if (chosen == keys[2]) v = {v[2], v[0], v[1]};
-    };
-    const std::array<float, 3> y{v[0][1], v[1][1], v[2][1]};
-    rotate(y, min_ps(min_ps(y[0], y[1]), y[2]));
-    const std::array<float, 3> w{v[0][3], v[1][3], v[2][3]};
-    rotate(w, max_ps(max_ps(w[0], w[1]), w[2]));
-
-    std::array<std::array<std::int32_t, 2>, 3> grid;
+    const SwiftShaderVertices v = swiftshader_vertices(triangle, viewport, state);
     std::array<float, 3> z;
-    for (std::size_t i = 0; i < 3; ++i) {
-        grid[i] = swiftshader_grid(v[i], viewport, state);
-        z[i] = v[i][2] * swiftshader_over_w(v[i]);
-    }
-    const int steps = 1 << state.subpixel_bits;
-    // Differences wrap as the hardware's do.
-    const auto offset = [&](std::size_t i, std::size_t axis) {
-        const auto difference = static_cast<std::uint32_t>(grid[i][axis]) - static_cast<std::uint32_t>(grid[0][axis]);
-        return static_cast<float>(static_cast<std::int32_t>(difference)) * (1.0f / static_cast<float>(steps));
-    };
-    const float x1 = offset(1, 0);
-    const float y1 = offset(1, 1);
-    const float x2 = offset(2, 0);
-    const float y2 = offset(2, 1);
+    for (std::size_t i = 0; i < 3; ++i) z[i] = v.clip[i][2] * v.over_w[i];
+    const float step = 1.0f / static_cast<float>(1 << state.subpixel_bits);
+    const float x1 = v.steps(1, 0) * step;
+    const float y1 = v.steps(1, 1) * step;
+    const float x2 = v.steps(2, 0) * step;
+    const float y2 = v.steps(2, 1) * step;
     const float z1 = z[1] - z[0];
     const float z2 = z[2] - z[0];
     const float range = depth_scale(viewport);
@@ -180,11 +162,7 @@ DepthPlane swiftshader_plane(const std::array<SetupVertex<Scalar>, 3>& triangle,
     plane.dx = (y2 * z1 - y1 * z2) * over_area;
     plane.dy = (x1 * z2 - x2 * z1) * over_area;
     plane.z0 = z[0] * range + viewport.min_depth;
-    const auto at = [&](std::size_t axis) {
-        const std::int32_t limit = static_cast<std::int32_t>(kReach) * steps;
-        return std::clamp(grid[0][axis], -limit, limit);
-    };
-    plane.origin = to_grid({at(0), at(1)}, steps, kSubpixels / 2);
+    plane.origin = v.origin;
     plane.z = {plane.z0, z1 * range + viewport.min_depth, z2 * range + viewport.min_depth};
     plane.slope = max_ps(std::fabs(plane.dx), std::fabs(plane.dy));
     return plane;
@@ -205,6 +183,33 @@ ScreenVertex<Scalar> project(const Scalar* v, const Viewport& viewport, const Se
     screen.valid = screen.x == screen.x && screen.y == screen.y && screen.z - screen.z == Scalar(0) &&
                    screen.inv_w - screen.inv_w == Scalar(0);
     return screen;
+}
+
+template <class Scalar>
+SwiftShaderVertices swiftshader_vertices(const std::array<SetupVertex<Scalar>, 3>& triangle, const Viewport& viewport,
+                                         const SetupState& state) {
+    SwiftShaderVertices v;
+    std::array<Clip, 3> clip;
+    for (std::size_t i = 0; i < 3; ++i) clip[i] = clip_of(triangle[i].record);
+    const auto rotate = [&](std::size_t axis, float (*better)(float, float)) {
+        const std::array<float, 3> keys{clip[v.order[0]][axis], clip[v.order[1]][axis], clip[v.order[2]][axis]};
+        const float chosen = better(better(keys[0], keys[1]), keys[2]);
+        if (chosen == keys[1]) v.order = {v.order[1], v.order[2], v.order[0]};
+        if (chosen == keys[2]) v.order = {v.order[2], v.order[0], v.order[1]};  // of both, one after the other
+    };
+    rotate(1, min_ps);
+    rotate(3, max_ps);
+
+    for (std::size_t i = 0; i < 3; ++i) {
+        v.clip[i] = clip[v.order[i]];
+        v.grid[i] = swiftshader_grid(v.clip[i], viewport, state);
+        v.over_w[i] = swiftshader_over_w(v.clip[i]);
+    }
+    const int steps = 1 << state.subpixel_bits;
+    const std::int32_t limit = static_cast<std::int32_t>(kReach) * steps;
+    v.origin =
+        to_grid({std::clamp(v.grid[0][0], -limit, limit), std::clamp(v.grid[0][1], -limit, limit)}, steps, kSubpixels / 2);
+    return v;
 }
 
 template <class Scalar>
@@ -263,6 +268,8 @@ float driver_depth_bias(const std::array<float, 3>& z, float slope, const SetupS
 
 #define GNOMON_INSTANTIATE(Scalar)                                                                                  \
     template ScreenVertex<Scalar> project(const Scalar*, const Viewport&, const SetupState&, bool);                 \
+    template SwiftShaderVertices swiftshader_vertices(const std::array<SetupVertex<Scalar>, 3>&, const Viewport&,   \
+                                                      const SetupState&);                                           \
     template bool turns_counter_clockwise(const std::array<const Scalar*, 3>&, const Viewport&, const SetupState&); \
     template DepthPlane driver_depth_plane(const std::array<SetupVertex<Scalar>, 3>&, const Viewport&, const SetupState&);
 GNOMON_INSTANTIATE(float)

@@ -21,6 +21,25 @@ template <class Scalar>
 bool turns_counter_clockwise(const std::array<const Scalar*, 3>& clip_positions, const Viewport& viewport,
                              const SetupState& state);
 
+/// The vertices of a triangle in the order in which SwiftShader makes planes of them: the one of largest w first, among equals
+/// what a rotation for the smallest y left first.
+struct SwiftShaderVertices {
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::array<std::array<float, 4>, 3> clip{};         // x, y, z, w with y down
+    std::array<std::array<std::int32_t, 2>, 3> grid{};  // in steps of the profile's grid
+    std::array<float, 3> over_w{};
+    GridPoint origin;  // of the first vertex, 1/256 pixel
+
+    /// From the first vertex; differences wrap as the hardware's do.
+    [[nodiscard]] float steps(std::size_t i, std::size_t axis) const {
+        const auto difference = static_cast<std::uint32_t>(grid[i][axis]) - static_cast<std::uint32_t>(grid[0][axis]);
+        return static_cast<float>(static_cast<std::int32_t>(difference));
+    }
+};
+template <class Scalar>
+SwiftShaderVertices swiftshader_vertices(const std::array<SetupVertex<Scalar>, 3>& triangle, const Viewport& viewport,
+                                         const SetupState& state);
+
 /// Depth as a plane over the screen.
 struct DepthPlane {
     float z0 = 0;  // at the origin

@@ -4,6 +4,7 @@
 
 #include "pipeline/fragment.h"
 #include "pipeline/interpolate.h"
+#include "pipeline/peer_planes.h"
 #include "pipeline/vertex_stage.h"
 
 #include <array>
@@ -82,6 +83,29 @@ struct PixelTraits {
     bool force_early = false;  // D3D11.3 16.12.1
 };
 
+/// Varyings and w as renderers with planes of their own have them.
+template <class Real, class Varyings>
+[[gnu::noinline]] void take_peer_varyings(const PixelJob<Real>& job, Varyings& varyings, Real& w) {
+    const PixelLanes centre{Int(kSubpixels / 2), Int(kSubpixels / 2)};
+    PeerPositions positions{centre, centre, centre};
+    if (job.system.samples > 1) positions.centroid = centroid_position(*job.wave, job.pattern, job.system.sample_mask);
+    if (job.system.sample >= 0) {
+        const SamplePosition& at = job.pattern.at[static_cast<std::size_t>(job.system.sample)];
+        positions.sample = {Int(at.x * kSampleGrid), Int(at.y * kSampleGrid)};
+    }
+    const auto interpolate = [&](std::span<const Interpolation> modes, Real* values) {
+        interpolate_as_peer(*job.primitive->peer_planes, modes, job.wave->pixels, positions, job.primitive->flat, values, w);
+    };
+    if constexpr (std::is_empty_v<Varyings>) {
+        interpolate({}, nullptr);
+    } else {
+        static constexpr auto kModes = interpolations<Varyings, Real>();
+        std::array<Real, kModes.size()> values;
+        interpolate(kModes, values.data());
+        varyings = std::bit_cast<Varyings>(values);
+    }
+}
+
 template <class Real, class VertexFunctor, class PixelFunctor>
 void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real>& result) {
     using Varyings = typename VertexFunctor::template Varyings<Real>;
@@ -99,7 +123,8 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
     const auto centroid_point = [&]() -> EvaluationPoint<Real> {
         if (!kCentroid || job.system.samples == 1) return centre;
-        return evaluation_point(primitive, centroid_offset<Real>(wave, job.pattern, job.system.sample_mask, x0, y0));
+        const PixelLanes on = centroid_position(wave, job.pattern, job.system.sample_mask);
+        return evaluation_point(primitive, pixel_offset<Real>(wave.pixels, on.x, on.y, x0, y0));
     };
     const auto sample_point = [&]() -> EvaluationPoint<Real> {
         if (!kSample && !per_sample) return centre;
@@ -107,8 +132,10 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     };
     const EvaluationPoint<Real> centroid = centroid_point();
     const EvaluationPoint<Real> sample = sample_point();
-    const auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
-    const Real& w = sample.perspective.w;  // the centre's where it runs for the whole pixel
+    auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
+    Real w = sample.perspective.w;  // the centre's where it runs for the whole pixel
+    if (primitive.peer_planes != nullptr) [[unlikely]]
+        take_peer_varyings(job, varyings, w);
     const Vec4<Real> position{
         Real(wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
         Real(wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),

@@ -41,6 +41,9 @@ struct Outline {
 };
 
 template <class Scalar>
+struct PeerPlanes;  // peer_planes.h
+
+template <class Scalar>
 struct Primitive {
     std::array<Edge, 3> edges;         // of a triangle
     std::array<GridPoint, 2> line{};   // of an aliased line: from, to
@@ -63,6 +66,7 @@ struct Primitive {
     std::array<Scalar, 3> inv_w;            // 1 / w at the vertices
     std::array<const Scalar*, 3> varyings;  // at the vertices
     const Scalar* flat = nullptr;           // at the provoking vertex
+    const PeerPlanes<Scalar>* peer_planes = nullptr;  // of varyings, in profiles that have planes of their own
 };
 
 }  // namespace gnomon

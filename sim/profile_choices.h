@@ -258,7 +258,7 @@ template <>
 inline constexpr std::array kEnumNames<WindingArea>{EnumName{WindingArea::Exact, "exact"},
                                                     EnumName{WindingArea::Float32, "float32"}};
 
-/// How depth follows from the vertices.
+/// How depth and varyings follow from the vertices.
 enum class PlaneEquations {
     Barycentric,  // through snapped positions, slopes in double rounded once, from a vertex. D3D11.3 15.16.2 leaves it open
     Llvmpipe,     // through positions that were not snapped, from the target's corner, evaluated with fused multiply-adds

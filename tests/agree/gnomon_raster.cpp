@@ -48,8 +48,44 @@ struct Copy {
     }
 };
 
+/// A place and a colour that is carried one way or the other.
+template <gnomon::Interpolation kHow>
+struct Painted {
+    template <class Real>
+    struct Input {
+        Vec4<Real> position;
+        Vec4<Real> color;
+    };
+    template <class Real>
+    struct Varyings {
+        Vec4<Real> color;
+        static constexpr std::array interpolation{kHow, kHow, kHow, kHow};
+    };
+    static constexpr auto fields() { return std::tuple{}; }
+
+    template <class V>
+    auto operator()(const V& v) const {
+        return VertexOutput{v.in.position, Varyings<typename V::Real>{v.in.color}};
+    }
+};
+struct WriteColor {
+    static constexpr auto fields() { return std::tuple{}; }
+
+    template <class F>
+    auto operator()(const F& f) const {
+        return f.in.color;
+    }
+};
+template <gnomon::Interpolation kHow>
+const Program& painted_program() {
+    static const Program kProgram =
+        make_program<Painted<kHow>, WriteColor>(kHow == gnomon::Interpolation::Linear ? "agree.linear" : "agree.perspective");
+    return kProgram;
+}
+
 constexpr Place kPlace;
 constexpr WriteOne kWriteOne;
+constexpr WriteColor kWriteColor;
 
 const Program& coverage_program() {
     static const Program kProgram = make_program<Place, WriteOne>("agree.coverage");
@@ -264,6 +300,29 @@ std::vector<std::uint32_t> GnomonRaster::depth(const DepthDraw& given) {
             for (int s = 0; s < given.samples; ++s)
                 std::memcpy(&codes.emplace_back(), texture.row(0, y, 0, s) + std::ptrdiff_t{4} * x, 4);
     return codes;
+}
+
+std::vector<Color> GnomonRaster::attributes(const ClipTriangle& triangle, int width, int height, Interpolation interpolation) {
+    const TextureId target =
+        device_.create_texture("attributes", {.format = Format::Rgba32Float, .width = width, .height = height});
+    std::vector<float> vertices;
+    for (const ClipVertex& v : triangle) {
+        vertices.insert(vertices.end(), {v.clip[0], -v.clip[1], v.clip[2], v.clip[3]});
+        vertices.insert(vertices.end(), v.color.begin(), v.color.end());
+    }
+    const BufferId buffer = device_.create_buffer("triangle", std::as_bytes(std::span(vertices)));
+    device_.execute(ClearColor{target, {}});
+    using How = gnomon::Interpolation;
+    const Program& program =
+        interpolation == Interpolation::Linear ? painted_program<How::Linear>() : painted_program<How::Perspective>();
+    Draw draw = draw_of(program, constants_of(kWriteColor), buffer, 3);
+    draw.depth_state.test = false;
+    draw.color[0] = target;
+    device_.execute(draw);
+    const auto bytes = device_.texture(target).level_bytes(0);
+    std::vector<Color> colors(bytes.size() / sizeof(Color));
+    std::memcpy(colors.data(), bytes.data(), bytes.size());
+    return colors;
 }
 
 std::vector<Codes> GnomonRaster::blend(ColorFormat format, const BlendState& state, std::span<const BlendCase> cases) {

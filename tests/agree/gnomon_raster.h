@@ -15,6 +15,7 @@ public:
 
     std::vector<TriangleCoverage> coverage(const CoverageOptions& options, std::span<const ClipTriangle> triangles);
     std::vector<std::uint32_t> depth(const DepthDraw& draw);
+    std::vector<Color> attributes(const ClipTriangle& triangle, int width, int height, Interpolation interpolation);
     /// Factors of constant alpha are taken as of constant colour: we have no others.
     std::vector<Codes> blend(ColorFormat format, const BlendState& state, std::span<const BlendCase> cases);
     std::vector<Codes> resolve(ColorFormat format, std::span<const SampleCodes> pixels);

@@ -21,6 +21,7 @@ struct Reference {
     std::function<std::vector<TriangleCoverage>(const CoverageOptions&, std::span<const ClipTriangle>)> coverage;
     std::function<bool(DepthFormat, int samples)> has_depth;
     std::function<std::vector<std::uint32_t>(const DepthDraw&)> depth;
+    std::function<std::vector<Color>(const ClipTriangle&, int width, int height, Interpolation)> attributes;
     std::function<std::vector<Codes>(ColorFormat, const BlendState&, std::span<const BlendCase>)> blend;
     std::function<std::vector<Codes>(ColorFormat, std::span<const SampleCodes>)> resolve;
 };
@@ -30,6 +31,8 @@ Reference driver_reference(RasterPeer& machine) {
         .coverage = [&](const auto& options, auto triangles) { return machine.coverage(options, triangles); },
         .has_depth = [&](DepthFormat format, int samples) { return machine.supports(format, samples); },
         .depth = [&](const DepthDraw& draw) { return machine.depth(draw); },
+        .attributes = [&](const ClipTriangle& triangle, int width, int height,
+                          Interpolation how) { return machine.attributes(triangle, width, height, how); },
         .blend = [&](ColorFormat format, const BlendState& state, auto cases) { return machine.blend(format, state, cases); },
         .resolve = [&](ColorFormat format, auto pixels) { return machine.resolve(format, pixels, ResolveBy::Command); }};
 }
@@ -46,6 +49,8 @@ Reference model_reference(Driver driver) {
                 },
             .has_depth = [=](DepthFormat format, int) { return driver == Driver::Llvmpipe || format != DepthFormat::D24; },
             .depth = [=](const DepthDraw& draw) { return model_depth(driver, draw); },
+            .attributes = [=](const ClipTriangle& triangle, int width, int height,
+                              Interpolation how) { return model_attributes(driver, triangle, {0, 0, width, height}, how); },
             .blend =
                 [=](ColorFormat format, const BlendState& state, std::span<const BlendCase> cases) {
                     std::vector<Codes> blended;
@@ -105,6 +110,29 @@ TEST_CASE("coverage in large and odd viewports agrees", "[agree][device][coverag
             check_coverage(reference, ours, kind, 700, 500, 25);
         }
     });
+}
+
+void check_attributes(const Reference& reference, GnomonRaster& ours, std::size_t count) {
+    for (const TriangleKind kind : kTriangleKinds)
+        for (const Interpolation how : {Interpolation::Perspective, Interpolation::Linear}) {
+            // How a clipped triangle's attributes are cut without perspective is not modelled.
+            if (how == Interpolation::Linear && kind >= TriangleKind::Large) continue;
+            Differences differences;
+            std::size_t total = 0;
+            for (const ClipTriangle& triangle : random_triangles(kind, count, 80, 50, 7)) {
+                const auto expected = reference.attributes(triangle, 80, 50, how);
+                const auto colors = ours.attributes(triangle, 80, 50, how);
+                REQUIRE(colors.size() == expected.size());
+                total += colors.size();
+                for (std::size_t i = 0; i < colors.size(); ++i)
+                    if (std::bit_cast<Codes>(colors[i]) != std::bit_cast<Codes>(expected[i]))
+                        differences.add([&] {
+                            return fmt::format("pixel {}: ours {} expected {}", i, text(std::bit_cast<Codes>(colors[i])),
+                                               text(std::bit_cast<Codes>(expected[i])));
+                        });
+            }
+            differences.report(fmt::format("{}, interpolation {}", name_of(kind), static_cast<int>(how)), total);
+        }
 }
 
 /// Adds the number of samples that something was drawn to.
@@ -249,9 +277,14 @@ TEST_CASE("without drivers their models agree", "[agree][model]") {
         GnomonRaster ours(profile_of(driver));
         for (const TriangleKind kind : kTriangleKinds) check_coverage(reference, ours, kind, 32, 32, 500);
         check_depth(reference, ours, 3);
+        check_attributes(reference, ours, 4);
         check_blending(reference, ours, 12);
         check_resolve(reference, ours, 5000);
     }
+}
+
+TEST_CASE("varyings of triangles agree", "[agree][device][attributes]") {
+    on_each_pair([](const Reference& reference, GnomonRaster& ours) { check_attributes(reference, ours, 40); });
 }
 
 /// Each field is needed: with the specification's choice something is drawn differently.
