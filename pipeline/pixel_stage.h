@@ -111,8 +111,11 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     const Vec4<Real> position{Real(job.wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
                               Real(job.wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid), job.depth, w};
 
-    // The functor.
-    LaneFlow flow{.covered = job.wave.covered, .counting = job.counting};
+    // The functor. In a run for one sample the lanes without it are helpers. D3D11.3 3.5.4, 16.13
+    const bool one_of_several = per_sample && job.system.samples > 1;
+    LaneFlow flow{
+        .covered = one_of_several ? job.wave.samples.covered[static_cast<std::size_t>(job.system.sample)] : job.wave.covered,
+        .counting = job.counting};
     result.causes = {};
     const FragmentContext<Real, Varyings> context(varyings, position, job.system, job.wave, job.environment, flow,
                                                   result.causes, job.tally);
