@@ -85,13 +85,13 @@ public:
     /// The lanes in `mask` write nothing; they go on as helpers. The functor says `static constexpr bool discards = true`.
     /// D3D11.3 22.5.1
     void discard(Mask mask) const { flow_.killed |= mask.bits() & flow_.branch; }
-    /// Runs `body` for the lanes in `mask`, if there are any: what `if` is in a shading language. Lanes outside compute along,
-    /// so the body keeps what it wants with select().
+    /// Runs `body` for the lanes in `mask`, helpers too, if there are any: what `if` is in a shading language. Lanes outside
+    /// compute along, so the body keeps what it wants with select().
     template <class Body>
     void branch(Mask mask, const Body& body) const {
         const std::uint32_t outer = flow_.branch;
         flow_.branch &= mask.bits();
-        if ((flow_.branch & flow_.covered) != 0) body();
+        if (flow_.branch != 0) body();
         flow_.branch = outer;
     }
 

@@ -464,3 +464,35 @@ TEST_CASE("in a run for one sample the lanes without it are helpers", "[derivati
     c.per_sample = false;
     CHECK(outcome_of(c).counters.derivatives_helper == 0);
 }
+
+namespace {
+
+/// Column 15 goes into a branch and comes out with another value, of which the derivative is taken afterwards.
+struct BranchesBefore {
+    static constexpr auto fields() { return std::tuple{}; }
+
+    template <class F>
+    auto operator()(const F& f) const {
+        using Real = typename F::Real;
+        const Mask last = truncate_to_int(f.position.x) == Int(15);
+        Real value(1.0f);
+        f.branch(last, [&] { value = select(last, Real(6.0f), value); });
+        const Real slope = f.ddx_fine(value);
+        return Vec4<Real>{slope, slope, slope, slope};
+    }
+};
+
+}  // namespace
+
+TEST_CASE("helper lanes go into branches, whatever pixels share their wave", "[derivatives][16.13]") {
+    static const Program program = make_program<Screen, BranchesBefore>("test.branches-before");
+    const BranchesBefore constants;
+    for (const float right : {15.0f, 16.0f}) {
+        Canvas canvas(load_profile("d3d11"), kSize, kSize);
+        Draw draw = make_draw(program, upload(canvas.device, canvas.corners({-4096, -4096, right, 256}, 0.5f)), 0, 6);
+        draw.pixel_constants = constants_of(constants);
+        draw.color[0] = canvas.target(Format::R32Float);
+        canvas.device.execute(draw);
+        for (std::size_t y = 0; y < kSize; ++y) CHECK(canvas.value(draw.color[0].texture, y * kSize + 14) == 5.0f);
+    }
+}
