@@ -154,19 +154,33 @@ private:
             return drawn;
         }
 
-        // A line for what is left of each original edge; facing and bias are the polygon's. D3D11.3 15.13
+        // A line for what is left of each original edge; facing is the polygon's, bias that of the edge's triangle, as where it
+        // is solid. D3D11.3 15.13
         std::int64_t area = 0;
-        Scalar bias = 0;
         for (const auto& [a, b, c] : pieces) area += signed_area(corners_on_grid[a], corners_on_grid[b], corners_on_grid[c]);
         const Facing facing = facing_of(area, state_.raster);
         if (facing.culled) return false;
-        if (!pieces.empty())
-            bias =
-                triangle_depth_bias<Scalar>({vertices[pieces[0][0]], vertices[pieces[0][1]], vertices[pieces[0][2]]}, state_);
-        for (std::size_t i = 0; i < vertices.size(); ++i)
-            if (polygon_.edges[i] != 0)
-                drawn = draw_line({vertices[i], vertices[(i + 1) % vertices.size()]}, head, bias, facing.front) || drawn;
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            if (polygon_.edges[i] == 0) continue;
+            const auto [a, b, c] = piece_at_edge(pieces, i, vertices.size());
+            const Scalar bias = triangle_depth_bias<Scalar>({vertices[a], vertices[b], vertices[c]}, state_);
+            drawn = draw_line({vertices[i], vertices[(i + 1) % vertices.size()]}, head, bias, facing.front) || drawn;
+        }
         return drawn;
+    }
+    /// The triangle of a polygon that has the edge from corner `i` on. Where that one has no area it is not among the pieces:
+    /// then one that has an end of the edge.
+    static std::array<std::size_t, 3> piece_at_edge(const std::vector<std::array<std::size_t, 3>>& pieces, std::size_t i,
+                                                    std::size_t corners) {
+        const std::size_t next = (i + 1) % corners;
+        std::array<std::size_t, 3> best{i, next, (i + 2) % corners};
+        int most = 0;
+        for (const auto& piece : pieces) {
+            const auto ends = static_cast<int>(std::ranges::count(piece, i) + std::ranges::count(piece, next));
+            if (ends > most) best = piece;
+            most = std::max(most, ends);
+        }
+        return best;
     }
 
     /// As llvmpipe or SwiftShader clips: a fan of triangles, or one polygon with the planes of the whole triangle.
