@@ -11,6 +11,7 @@ namespace gnomon {
 namespace {
 
 constexpr std::uint64_t kChunkPrimitives = 1024;
+constexpr std::uint64_t kAssembledTogether = 64;
 // A chunk ends early where its bins grow beyond this: large primitives on a large target fall into many tiles each.
 constexpr std::size_t kChunkBins = 1u << 17;
 
@@ -29,21 +30,15 @@ public:
     ChunkBuilder(const BinningInput<Scalar>& input, const ProjectedVertices<Scalar>& projected, PrimitiveChunk<Scalar>& chunk)
         : input_(input), state_(input.state), projected_(projected), chunk_(chunk), stride_(input.vertices.stride) {}
 
-    void add(std::uint64_t number) {
+    void add(const AssembledPrimitive& assembled, std::uint32_t instance, std::uint32_t id) {
         ++chunk_.counters.primitives_in;
-        const std::uint32_t per_instance = input_.assembly.count();
-        const std::uint64_t instance = number / per_instance;
-        const auto id = static_cast<std::uint32_t>(number - instance * per_instance);
-        const AssembledPrimitive assembled = input_.assembly[id];
-        std::array<std::size_t, 3> at;
-        const std::uint64_t first = instance * input_.vertices_per_instance;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t corner = assembled.corner[i];
-            at[i] = first + (input_.numbers != nullptr ? (*input_.numbers)[corner] : corner) - input_.base;
-        }
+        const std::size_t first = std::size_t{instance} * input_.vertices_per_instance;
+        const auto position = [&](std::uint32_t vertex) { return first + (vertex - input_.base); };
+        const std::array<std::size_t, 3> at{position(assembled.vertex[0]), position(assembled.vertex[1]),
+                                            position(assembled.vertex[2])};
 
         PrimitiveHead<Scalar> head{.id = id};
-        const Scalar* provoking = record(at[static_cast<std::size_t>(assembled.provoking)]);
+        const Scalar* provoking = record(position(assembled.provoking));
         head.flat = provoking + kPositionScalars;
         if (input_.layered) {
             const auto index = [&](int from_end, int limit) {
@@ -191,11 +186,10 @@ private:
                                               state_.clipping);
         const std::size_t count = clipped.made.size();
         if (count < 3) return false;
-        chunk_.clipped.push_back(std::make_unique<Scalar[]>(clipped.records.size()));
-        std::ranges::copy(clipped.records, chunk_.clipped.back().get());
+        chunk_.clipped.emplace_back(clipped.records.begin(), clipped.records.end());
         std::vector<SetupVertex<Scalar>> v;
         for (std::size_t i = 0; i < count; ++i) {
-            const Scalar* from = chunk_.clipped.back().get() + i * static_cast<std::size_t>(stride_);
+            const Scalar* from = chunk_.clipped.back().data() + i * static_cast<std::size_t>(stride_);
             v.push_back({from, project(from, viewport_->viewport, state_, clipped.made[i] != 0)});
             if (!v.back().screen.valid) return false;
         }
@@ -255,10 +249,9 @@ private:
         polygon_.vertices.insert(polygon_.vertices.end(), corner, corner + stride_);
     }
     const Scalar* keep_polygon() {
-        chunk_.clipped.push_back(std::make_unique<Scalar[]>(polygon_.vertices.size()));
-        std::ranges::transform(polygon_.vertices, chunk_.clipped.back().get(),
-                               [](double value) { return static_cast<Scalar>(value); });
-        return chunk_.clipped.back().get();
+        std::vector<Scalar>& kept = chunk_.clipped.emplace_back(polygon_.vertices.size());
+        std::ranges::transform(polygon_.vertices, kept.begin(), [](double value) { return static_cast<Scalar>(value); });
+        return kept.data();
     }
     SetupVertex<Scalar> clipped_vertex(const Scalar* kept, std::size_t i) const {
         const Scalar* from = kept + i * static_cast<std::size_t>(stride_);
@@ -354,9 +347,9 @@ void project_vertices(const VertexBlock<Scalar>& vertices, const SetupState& sta
 }
 
 template <class Scalar>
-std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
+std::uint64_t bin_primitives(const BinningInput<Scalar>& input, AssemblyCursor& at, std::uint64_t count, Workers& workers,
                              bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out) {
-    const auto chunks = static_cast<std::size_t>((end - begin + kChunkPrimitives - 1) / kChunkPrimitives);
+    const auto chunks = static_cast<std::size_t>((count + kChunkPrimitives - 1) / kChunkPrimitives);
     if (out.chunks.size() < chunks) out.chunks.resize(chunks);
     const auto clear = [](PrimitiveChunk<Scalar>& chunk) {
         chunk.pieces.clear();
@@ -367,13 +360,23 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
         chunk.counters = {};
     };
     for (auto& chunk : out.chunks) clear(chunk);
+    for (std::size_t c = 0; c < chunks; ++c) {
+        out.chunks[c].at = at;
+        if (c + 1 < chunks) input.assembly.advance(at, kChunkPrimitives);
+    }
     workers.for_each(chunks, [&](std::size_t c) {
         const DenormalScope denormals(flush_denormals);
         PrimitiveChunk<Scalar>& chunk = out.chunks[c];
         ChunkBuilder<Scalar> builder(input, projected, chunk);
-        const std::uint64_t first = begin + c * kChunkPrimitives;
-        const std::uint64_t count = std::min(end - first, kChunkPrimitives);
-        for (; chunk.taken < count && chunk.bins.size() < kChunkBins; ++chunk.taken) builder.add(first + chunk.taken);
+        const std::uint64_t limit = std::min(count - c * kChunkPrimitives, kChunkPrimitives);
+        std::array<AssembledPrimitive, kAssembledTogether> group;
+        for (AssemblyCursor next = chunk.at; chunk.taken < limit && chunk.bins.size() < kChunkBins;) {
+            const AssemblyCursor first = next;
+            const std::size_t wanted = std::min(limit - chunk.taken, kAssembledTogether);
+            const std::size_t taken = input.assembly.take(next, input.by_position, std::span(group).first(wanted));
+            for (std::uint32_t i = 0; i < taken && chunk.bins.size() < kChunkBins; ++i, ++chunk.taken)
+                builder.add(group[i], first.instance, first.id + i);
+        }
     });
 
     // Where a chunk ended early, the batch ends with it: those behind wait for the next.
@@ -382,12 +385,14 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
     while (kept < chunks && taken == kept * kChunkPrimitives) taken += out.chunks[kept++].taken;
     for (std::size_t c = kept; c < chunks; ++c) clear(out.chunks[c]);
     collect_bins(input.tiles, out, kept);
-    return begin + taken;
+    at = out.chunks[kept - 1].at;
+    input.assembly.advance(at, out.chunks[kept - 1].taken);
+    return taken;
 }
 
 #define GNOMON_INSTANTIATE(Scalar)                                                                                             \
     template void project_vertices(const VertexBlock<Scalar>&, const SetupState&, Workers&, bool, ProjectedVertices<Scalar>&); \
-    template std::uint64_t bin_primitives(const BinningInput<Scalar>&, std::uint64_t, std::uint64_t, Workers&, bool,           \
+    template std::uint64_t bin_primitives(const BinningInput<Scalar>&, AssemblyCursor&, std::uint64_t, Workers&, bool,         \
                                           const ProjectedVertices<Scalar>&, BinnedPrimitives<Scalar>&);
 GNOMON_INSTANTIATE(float)
 GNOMON_INSTANTIATE(double)

@@ -9,7 +9,9 @@ namespace gnomon {
 
 struct Counters {
     // Geometry.
-    std::uint64_t vertices = 0;            // vertex functor results (padding lanes not counted)
+    // Distinct vertices that the primitives of a draw refer to, once per instance: what the vertex functor runs for behind a
+    // cache of results without limit. Counts nothing of the windows in which Gnomon shades them.
+    std::uint64_t vertices = 0;
     std::uint64_t primitives_in = 0;       // points, lines and triangles assembled
     std::uint64_t primitives_clipped = 0;  // of these, those that clipping cut
     std::uint64_t primitives_culled = 0;   // outside, facing away, without area, or between all samples
