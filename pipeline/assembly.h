@@ -3,14 +3,29 @@
 
 #include "pipeline/state.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
+#include <limits>
 #include <span>
-#include <vector>
 
 namespace gnomon {
+
+/// The lowest and the highest of some vertex numbers; lowest > highest where there is none.
+struct VertexRange {
+    std::uint32_t lowest = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t highest = 0;
+
+    [[nodiscard]] bool empty() const { return lowest > highest; }
+    [[nodiscard]] std::uint64_t size() const { return empty() ? 0 : std::uint64_t{highest} - lowest + 1; }
+    VertexRange& operator|=(const VertexRange& other) {
+        lowest = std::min(lowest, other.lowest);
+        highest = std::max(highest, other.highest);
+        return *this;
+    }
+};
 
 /// The vertex numbers of a draw: its indices, or 0, 1, 2, ...
 class VertexNumbers {
@@ -22,21 +37,34 @@ public:
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] bool indexed() const { return data_ != nullptr; }
     [[nodiscard]] std::size_t bytes_each() const { return data_ == nullptr ? 0 : type_ == IndexType::Uint16 ? 2 : 4; }
-
-    [[nodiscard]] std::uint32_t operator[](std::uint32_t i) const {
-        const std::size_t at = std::size_t{first_} + i;
-        if (data_ == nullptr) return first_ + i;
-        if (type_ == IndexType::Uint16) {
-            std::uint16_t value = 0;
-            std::memcpy(&value, data_ + 2 * at, 2);
-            return value;
-        }
-        std::uint32_t value = 0;
-        std::memcpy(&value, data_ + 4 * at, 4);
-        return value;
-    }
     /// The index that restarts. D3D11.3 8.12
     [[nodiscard]] std::uint32_t restart() const { return type_ == IndexType::Uint16 ? 0xffffu : 0xffffffffu; }
+
+    /// Calls body(number) with what maps a position to its vertex number, and returns what that returns: one loop for each way
+    /// that the numbers are stored.
+    template <class Body>
+    auto read(const Body& body) const {
+        if (data_ == nullptr) return body([this](std::uint32_t i) { return first_ + i; });
+        if (type_ == IndexType::Uint16)
+            return body([from = data_ + std::size_t{first_} * 2](std::uint32_t i) {
+                std::uint16_t value = 0;
+                std::memcpy(&value, from + std::size_t{i} * 2, 2);
+                return std::uint32_t{value};
+            });
+        return body([from = data_ + std::size_t{first_} * 4](std::uint32_t i) {
+            std::uint32_t value = 0;
+            std::memcpy(&value, from + std::size_t{i} * 4, 4);
+            return value;
+        });
+    }
+    [[nodiscard]] std::uint32_t operator[](std::uint32_t i) const {
+        return read([&](const auto& number) { return number(i); });
+    }
+
+    /// Of positions [begin, end), where `restarts` without those that restart.
+    [[nodiscard]] VertexRange range(std::uint32_t begin, std::uint32_t end, bool restarts) const;
+    /// The first position in [begin, end) that restarts, or `end`.
+    [[nodiscard]] std::uint32_t next_restart(std::uint32_t begin, std::uint32_t end) const;
 
 private:
     const std::byte* data_;
@@ -45,10 +73,10 @@ private:
     std::uint32_t count_;
 };
 
-/// A primitive as positions in the list of vertex numbers.
+/// A primitive: its vertices, as numbers or as positions in the list of numbers.
 struct AssembledPrimitive {
-    std::array<std::uint32_t, 3> corner{};  // of which a line uses two and a point one
-    int provoking = 0;                      // which of them is the provoking vertex
+    std::array<std::uint32_t, 3> vertex{};  // of which a line uses two and a point one
+    std::uint32_t provoking = 0;            // one of them
 };
 
 /// Corners of a primitive. D3D11.3 8.10
@@ -64,69 +92,61 @@ constexpr int corner_count(Topology topology) {
     __builtin_unreachable();
 }
 
-/// All primitives of one instance, by number.
+/// Positions [begin, end) between two restarts, as a list of its own.
+struct AssemblyRun {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    std::uint32_t primitives = 0;
+};
+
+/// A place in the primitives of all instances, one instance behind the other.
+struct AssemblyCursor {
+    std::uint32_t instance = 0;
+    std::uint32_t id = 0;  // of the primitive, in its instance
+    AssemblyRun run;       // that it is in
+    std::uint32_t in_run = 0;
+};
+
+/// The primitives of a draw, in order. It holds nothing per primitive: restarts are looked for on the way.
 class Assembly {
 public:
-    Assembly(const VertexNumbers& numbers, Topology topology, ProvokingVertex provoking, bool restart)
-        : topology_(topology), provoking_(provoking) {
-        if (!restart || !numbers.indexed()) {
-            count_ = primitives_of(numbers.count());
-            return;
-        }
-        // Restarts cut the list into runs; each is as a list of its own.
-        std::uint32_t begin = 0;
-        starts_.emplace();
-        for (std::uint32_t i = 0; i <= numbers.count(); ++i) {
-            if (i < numbers.count() && numbers[i] != numbers.restart()) continue;
-            for (std::uint32_t k = 0; k < primitives_of(i - begin); ++k) starts_->push_back({begin, k});
-            begin = i + 1;
-        }
-        count_ = static_cast<std::uint32_t>(starts_->size());
-    }
+    Assembly(const VertexNumbers& numbers, Topology topology, ProvokingVertex provoking, bool restart);
 
+    /// Primitives of one instance.
     [[nodiscard]] std::uint32_t count() const { return count_; }
 
-    [[nodiscard]] AssembledPrimitive operator[](std::uint32_t i) const {
-        const Start start = starts_ ? (*starts_)[i] : Start{0, i};
-        const std::uint32_t run = start.run;
-        const std::uint32_t k = start.number;
-        const bool last = provoking_ == ProvokingVertex::Last;
-        switch (topology_) {
-            case Topology::PointList: return {{run + k}, 0};
-            case Topology::LineList: return {{run + 2 * k, run + 2 * k + 1}, last ? 1 : 0};
-            case Topology::LineStrip: return {{run + k, run + k + 1}, last ? 1 : 0};
-            case Topology::TriangleList: return {{run + 3 * k, run + 3 * k + 1, run + 3 * k + 2}, last ? 2 : 0};
-            case Topology::TriangleStrip:
-                // Every second one turns its last two corners, so that all wind the same way.
-                if (k % 2 == 0) return {{run + k, run + k + 1, run + k + 2}, last ? 2 : 0};
-                return {{run + k, run + k + 2, run + k + 1}, last ? 1 : 0};
-            case Topology::TriangleFan: return {{run + k + 1, run + k + 2, run}, last ? 1 : 0};
-        }
-        __builtin_unreachable();
-    }
+    /// The first primitive. `count` is not 0, here and below.
+    [[nodiscard]] AssemblyCursor begin() const;
+    /// Goes on by so many primitives.
+    void advance(AssemblyCursor& cursor, std::uint64_t primitives) const;
+
+    /// Puts primitives at the cursor into `out` and goes on behind them: as many as fit, but none of another run. Returns how
+    /// many. Their vertices are numbers, or positions where `by_position`.
+    std::size_t take(AssemblyCursor& cursor, bool by_position, std::span<AssembledPrimitive> out) const;
+
+    /// Positions that the next primitives of this instance, at least one and at most to its end, lie between: all of their
+    /// corners but the first vertex of the fan at the cursor, which is `run.begin`.
+    struct Positions {
+        std::uint32_t first;
+        std::uint32_t last;
+    };
+    [[nodiscard]] Positions positions(const AssemblyCursor& cursor, std::uint32_t primitives) const;
+
+    /// Distinct vertex numbers of all primitives of an instance, which lie in `range`. Takes a bit of memory for each number
+    /// in the range where the draw has indices.
+    [[nodiscard]] std::uint64_t distinct_vertices(const VertexRange& range) const;
 
 private:
-    struct Start {
-        std::uint32_t run;
-        std::uint32_t number;
-    };
+    [[nodiscard]] std::uint32_t primitives_of(std::uint32_t vertices) const;
+    /// Vertices of a run that its primitives use: all but what is left over.
+    [[nodiscard]] std::uint32_t used_of(const AssemblyRun& run) const;
+    /// The next run with a primitive from a position on; it has none where there is no such run.
+    [[nodiscard]] AssemblyRun run_from(std::uint32_t position) const;
 
-    [[nodiscard]] std::uint32_t primitives_of(std::uint32_t vertices) const {
-        const auto strip = [&](std::uint32_t corners) { return vertices >= corners ? vertices - corners + 1 : 0; };
-        switch (topology_) {
-            case Topology::PointList: return vertices;
-            case Topology::LineList: return vertices / 2;
-            case Topology::LineStrip: return strip(2);
-            case Topology::TriangleList: return vertices / 3;
-            case Topology::TriangleStrip:
-            case Topology::TriangleFan: return strip(3);
-        }
-        __builtin_unreachable();
-    }
-
+    VertexNumbers numbers_;
     Topology topology_;
     ProvokingVertex provoking_;
-    std::optional<std::vector<Start>> starts_;  // only where the draw restarts
+    bool restarts_;
     std::uint32_t count_ = 0;
 };
 

@@ -12,6 +12,7 @@ namespace gnomon {
 namespace {
 
 constexpr std::uint64_t kChunkPrimitives = 1024;
+constexpr std::uint64_t kAssembledTogether = 64;
 // A chunk ends early where its bins grow beyond this: large primitives on a large target fall into many tiles each.
 constexpr std::size_t kChunkBins = 1u << 17;
 
@@ -30,21 +31,15 @@ public:
     ChunkBuilder(const BinningInput<Scalar>& input, const ProjectedVertices<Scalar>& projected, PrimitiveChunk<Scalar>& chunk)
         : input_(input), state_(input.state), projected_(projected), chunk_(chunk), stride_(input.vertices.stride) {}
 
-    void add(std::uint64_t number) {
+    void add(const AssembledPrimitive& assembled, std::uint32_t instance, std::uint32_t id) {
         ++chunk_.counters.primitives_in;
-        const std::uint32_t per_instance = input_.assembly.count();
-        const std::uint64_t instance = number / per_instance;
-        const auto id = static_cast<std::uint32_t>(number - instance * per_instance);
-        const AssembledPrimitive assembled = input_.assembly[id];
-        std::array<std::size_t, 3> at;
-        const std::uint64_t first = instance * input_.vertices_per_instance;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t corner = assembled.corner[i];
-            at[i] = first + (input_.numbers != nullptr ? (*input_.numbers)[corner] : corner) - input_.base;
-        }
+        const std::size_t first = std::size_t{instance} * input_.vertices_per_instance;
+        const auto position = [&](std::uint32_t vertex) { return first + (vertex - input_.base); };
+        const std::array<std::size_t, 3> at{position(assembled.vertex[0]), position(assembled.vertex[1]),
+                                            position(assembled.vertex[2])};
 
         PrimitiveHead<Scalar> head{.id = id};
-        const Scalar* provoking = record(at[static_cast<std::size_t>(assembled.provoking)]);
+        const Scalar* provoking = record(position(assembled.provoking));
         head.flat = provoking + kPositionScalars;
         if (input_.layered) {
             const auto index = [&](int from_end, int limit) {
@@ -155,19 +150,33 @@ private:
             return drawn;
         }
 
-        // A line for what is left of each original edge; facing and bias are the polygon's. D3D11.3 15.13
+        // A line for what is left of each original edge; facing is the polygon's, bias that of the edge's triangle, as where it
+        // is solid. D3D11.3 15.13
         std::int64_t area = 0;
-        Scalar bias = 0;
         for (const auto& [a, b, c] : pieces) area += signed_area(corners_on_grid[a], corners_on_grid[b], corners_on_grid[c]);
         const Facing facing = facing_of(area, state_.raster);
         if (facing.culled) return false;
-        if (!pieces.empty())
-            bias =
-                triangle_depth_bias<Scalar>({vertices[pieces[0][0]], vertices[pieces[0][1]], vertices[pieces[0][2]]}, state_);
-        for (std::size_t i = 0; i < vertices.size(); ++i)
-            if (polygon_.edges[i] != 0)
-                drawn = draw_line({vertices[i], vertices[(i + 1) % vertices.size()]}, head, bias, facing.front) || drawn;
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            if (polygon_.edges[i] == 0) continue;
+            const auto [a, b, c] = piece_at_edge(pieces, i, vertices.size());
+            const Scalar bias = triangle_depth_bias<Scalar>({vertices[a], vertices[b], vertices[c]}, state_);
+            drawn = draw_line({vertices[i], vertices[(i + 1) % vertices.size()]}, head, bias, facing.front) || drawn;
+        }
         return drawn;
+    }
+    /// The triangle of a polygon that has the edge from corner `i` on. Where that one has no area it is not among the pieces:
+    /// then one that has an end of the edge.
+    static std::array<std::size_t, 3> piece_at_edge(const std::vector<std::array<std::size_t, 3>>& pieces, std::size_t i,
+                                                    std::size_t corners) {
+        const std::size_t next = (i + 1) % corners;
+        std::array<std::size_t, 3> best{i, next, (i + 2) % corners};
+        int most = 0;
+        for (const auto& piece : pieces) {
+            const auto ends = static_cast<int>(std::ranges::count(piece, i) + std::ranges::count(piece, next));
+            if (ends > most) best = piece;
+            most = std::max(most, ends);
+        }
+        return best;
     }
 
     /// As llvmpipe or SwiftShader clips: a fan of triangles, or one polygon with the planes of the whole triangle.
@@ -178,11 +187,10 @@ private:
                                               state_.clipping);
         const std::size_t count = clipped.made.size();
         if (count < 3) return false;
-        chunk_.clipped.push_back(std::make_unique<Scalar[]>(clipped.records.size()));
-        std::ranges::copy(clipped.records, chunk_.clipped.back().get());
+        chunk_.clipped.emplace_back(clipped.records.begin(), clipped.records.end());
         std::vector<SetupVertex<Scalar>> v;
         for (std::size_t i = 0; i < count; ++i) {
-            const Scalar* from = chunk_.clipped.back().get() + i * static_cast<std::size_t>(stride_);
+            const Scalar* from = chunk_.clipped.back().data() + i * static_cast<std::size_t>(stride_);
             v.push_back({from, project(from, viewport_->viewport, state_, clipped.made[i] != 0)});
             if (!v.back().screen.valid) return false;
         }
@@ -244,10 +252,9 @@ private:
         polygon_.vertices.insert(polygon_.vertices.end(), corner, corner + stride_);
     }
     const Scalar* keep_polygon() {
-        chunk_.clipped.push_back(std::make_unique<Scalar[]>(polygon_.vertices.size()));
-        std::ranges::transform(polygon_.vertices, chunk_.clipped.back().get(),
-                               [](double value) { return static_cast<Scalar>(value); });
-        return chunk_.clipped.back().get();
+        std::vector<Scalar>& kept = chunk_.clipped.emplace_back(polygon_.vertices.size());
+        std::ranges::transform(polygon_.vertices, kept.begin(), [](double value) { return static_cast<Scalar>(value); });
+        return kept.data();
     }
     SetupVertex<Scalar> clipped_vertex(const Scalar* kept, std::size_t i) const {
         const Scalar* from = kept + i * static_cast<std::size_t>(stride_);
@@ -353,9 +360,9 @@ void project_vertices(const VertexBlock<Scalar>& vertices, const SetupState& sta
 }
 
 template <class Scalar>
-std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
+std::uint64_t bin_primitives(const BinningInput<Scalar>& input, AssemblyCursor& at, std::uint64_t count, Workers& workers,
                              bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out) {
-    const auto chunks = static_cast<std::size_t>((end - begin + kChunkPrimitives - 1) / kChunkPrimitives);
+    const auto chunks = static_cast<std::size_t>((count + kChunkPrimitives - 1) / kChunkPrimitives);
     if (out.chunks.size() < chunks) out.chunks.resize(chunks);
     const auto clear = [](PrimitiveChunk<Scalar>& chunk) {
         chunk.pieces.clear();
@@ -367,13 +374,23 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
         chunk.counters = {};
     };
     for (auto& chunk : out.chunks) clear(chunk);
+    for (std::size_t c = 0; c < chunks; ++c) {
+        out.chunks[c].at = at;
+        if (c + 1 < chunks) input.assembly.advance(at, kChunkPrimitives);
+    }
     workers.for_each(chunks, [&](std::size_t c) {
         const DenormalScope denormals(flush_denormals);
         PrimitiveChunk<Scalar>& chunk = out.chunks[c];
         ChunkBuilder<Scalar> builder(input, projected, chunk);
-        const std::uint64_t first = begin + c * kChunkPrimitives;
-        const std::uint64_t count = std::min(end - first, kChunkPrimitives);
-        for (; chunk.taken < count && chunk.bins.size() < kChunkBins; ++chunk.taken) builder.add(first + chunk.taken);
+        const std::uint64_t limit = std::min(count - c * kChunkPrimitives, kChunkPrimitives);
+        std::array<AssembledPrimitive, kAssembledTogether> group;
+        for (AssemblyCursor next = chunk.at; chunk.taken < limit && chunk.bins.size() < kChunkBins;) {
+            const AssemblyCursor first = next;
+            const std::size_t wanted = std::min(limit - chunk.taken, kAssembledTogether);
+            const std::size_t taken = input.assembly.take(next, input.by_position, std::span(group).first(wanted));
+            for (std::uint32_t i = 0; i < taken && chunk.bins.size() < kChunkBins; ++i, ++chunk.taken)
+                builder.add(group[i], first.instance, first.id + i);
+        }
     });
 
     // Where a chunk ended early, the batch ends with it: those behind wait for the next.
@@ -382,12 +399,14 @@ std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t be
     while (kept < chunks && taken == kept * kChunkPrimitives) taken += out.chunks[kept++].taken;
     for (std::size_t c = kept; c < chunks; ++c) clear(out.chunks[c]);
     collect_bins(input.tiles, out, kept);
-    return begin + taken;
+    at = out.chunks[kept - 1].at;
+    input.assembly.advance(at, out.chunks[kept - 1].taken);
+    return taken;
 }
 
 #define GNOMON_INSTANTIATE(Scalar)                                                                                             \
     template void project_vertices(const VertexBlock<Scalar>&, const SetupState&, Workers&, bool, ProjectedVertices<Scalar>&); \
-    template std::uint64_t bin_primitives(const BinningInput<Scalar>&, std::uint64_t, std::uint64_t, Workers&, bool,           \
+    template std::uint64_t bin_primitives(const BinningInput<Scalar>&, AssemblyCursor&, std::uint64_t, Workers&, bool,         \
                                           const ProjectedVertices<Scalar>&, BinnedPrimitives<Scalar>&);
 GNOMON_INSTANTIATE(float)
 GNOMON_INSTANTIATE(double)

@@ -19,7 +19,8 @@ template <class Scalar>
 struct PrimitiveChunk {
     std::vector<Primitive<Scalar>> pieces;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> bins;  // (tile, index into pieces), in primitive order
-    std::vector<std::unique_ptr<Scalar[]>> clipped;             // vertices that clipping made
+    std::vector<std::vector<Scalar>> clipped;                   // vertices that clipping made
+    AssemblyCursor at;                                          // its first primitive
     std::uint64_t taken = 0;                                    // primitives
     std::vector<std::unique_ptr<Outline>> outlines;             // of pieces that are filled as polygons
     std::vector<std::unique_ptr<PeerPlanes<Scalar>>> peer_planes;
@@ -52,8 +53,8 @@ template <class Scalar>
 struct BinningInput {
     const VertexBlock<Scalar>& vertices;
     const Assembly& assembly;
-    const VertexNumbers* numbers = nullptr;  // null: corners are shaded one by one
-    std::uint32_t base = 0;                  // the number, or corner, of the block's first vertex
+    bool by_position = false;  // corners are shaded one by one, by their position in the list of numbers
+    std::uint32_t base = 0;    // the number, or position, of the block's first vertex
     std::uint32_t vertices_per_instance = 0;
     int corners = 3;                         // of each primitive
     bool layered = false;                    // records end with layer and viewport
@@ -63,10 +64,10 @@ struct BinningInput {
     int tiles = 0;    // in all
 };
 
-/// Bins primitives [begin, end) of the instances that the block holds, counted through, or as many of them as leave the bins
-/// within their bound; returns one past the last.
+/// Bins the next `count` primitives of the instances that the block holds, or as many of them as leave the bins within their
+/// bound, and goes on behind them; returns how many. The cursor counts instances from the first of the block.
 template <class Scalar>
-std::uint64_t bin_primitives(const BinningInput<Scalar>& input, std::uint64_t begin, std::uint64_t end, Workers& workers,
+std::uint64_t bin_primitives(const BinningInput<Scalar>& input, AssemblyCursor& at, std::uint64_t count, Workers& workers,
                              bool flush_denormals, const ProjectedVertices<Scalar>& projected, BinnedPrimitives<Scalar>& out);
 
 /// Projects all vertices of a block, where all primitives share the first viewport.

@@ -48,7 +48,8 @@ Pieces pieces_of(const std::array<glm::vec2, 3>& corners, const CoverageTarget& 
                                     .tiles_x = tiles(target.width),
                                     .tiles = tiles(target.width) * tiles(target.height)};
     Workers caller(1);
-    bin_primitives(input, 0, 1, caller, profile.flush_denormals, ProjectedVertices<float>{}, pieces);
+    AssemblyCursor first = assembly.begin();
+    bin_primitives(input, first, 1, caller, profile.flush_denormals, ProjectedVertices<float>{}, pieces);
     return pieces;
 }
 

@@ -1,8 +1,9 @@
 // Where derivatives come from: which lanes a quad's differences were taken over. D3D11.3 3.5.7, 22.5
 //
-// A derivative is valid to compute in any quad, and not to be trusted where one of the four lanes is no pixel of the primitive
+// A derivative is valid to compute in any quad, and not to be trusted where a lane that it reads is no pixel of the primitive
 // (a helper, whose inputs are extrapolated), was discarded, or stands outside the branch that takes it (and holds whatever it
-// held before).
+// held before). Lanes that it does not read make it no worse: a fine derivative reads one row or column, a coarse one the row
+// or column through one corner, a level of detail both.
 #pragma once
 
 #include "sim/counters.h"
@@ -19,7 +20,7 @@ enum DerivativeCause : std::uint32_t {
     kFromInactive = 1u << 2,
 };
 
-/// Lanes of a wave that used a derivative with a lane of each kind in its quad.
+/// Lanes of a wave that used a derivative which read a lane of each kind.
 struct DerivativeCauses {
     std::uint32_t helper = 0;
     std::uint32_t killed = 0;
@@ -36,7 +37,7 @@ struct DerivativeCauses {
 
 /// Which lanes of a wave do what while its functor runs.
 struct LaneFlow {
-    std::uint32_t covered = 0;         // inside the primitive
+    std::uint32_t covered = 0;         // inside the primitive, at the sample where the functor runs for one; others are helpers
     std::uint32_t counting = 0;        // of these, lanes whose results are wanted
     std::uint32_t branch = kAllLanes;  // lanes inside the branch under way
     std::uint32_t killed = 0;          // discarded so far
@@ -44,11 +45,13 @@ struct LaneFlow {
     /// Lanes whose instructions count.
     [[nodiscard]] std::uint32_t active() const { return counting & branch & ~killed; }
 
-    /// One derivative taken now. A lane of the quad is bad for one reason: what helpers do makes them no worse.
-    [[nodiscard]] DerivativeCauses causes() const {
+    /// One derivative taken now, for which readers(bits) are the lanes whose differences read a lane of `bits`. A lane is bad
+    /// for one reason: what helpers do makes them no worse.
+    template <class Readers>
+    [[nodiscard]] DerivativeCauses causes(const Readers& readers) const {
         const std::uint32_t lanes = active();
-        return {lanes & quad_any(~covered & kAllLanes), lanes & quad_any(killed & covered),
-                lanes & quad_any(~branch & covered & kAllLanes)};
+        return {lanes & readers(~covered & kAllLanes), lanes & readers(killed & covered),
+                lanes & readers(~branch & covered & kAllLanes)};
     }
 };
 

@@ -11,7 +11,7 @@ namespace gnomon {
 namespace {
 
 // One batch of a draw is set up and drawn before the next, so that memory stays bounded however much is drawn.
-constexpr std::uint64_t kBatchPrimitives = 1u << 14;  // and its pieces stay in the second-level cache
+constexpr std::uint32_t kBatchPrimitives = 1u << 14;  // and its pieces stay in the second-level cache
 constexpr std::uint32_t kBatchVertices = 1u << 18;
 
 template <class Real>
@@ -30,30 +30,35 @@ public:
     void run() {
         const std::uint32_t primitives = assembly_.count();
         if (primitives == 0 || draw_.instance_count == 0) return;
-        const Window whole = window_of(0, primitives);
+        if (machine_.tally != nullptr) count_vertices();
+        const AssemblyCursor first = assembly_.begin();
+        const Window whole = window_of(first, primitives);
         if (whole.count <= kBatchVertices) {
             // Few vertices: as many instances together as fit.
             const std::uint32_t together = std::max(1u, kBatchVertices / whole.count);
             for (std::uint32_t i = 0; i < draw_.instance_count; i += together) {
                 const std::uint32_t count = std::min(together, draw_.instance_count - i);
-                draw_window(whole, {i, count}, 0, std::uint64_t{primitives} * count);
+                AssemblyCursor at = first;
+                draw_window(whole, {i, count}, at, std::uint64_t{primitives} * count);
             }
             return;
         }
         // Many: the vertices of one batch of primitives at a time.
         for (std::uint32_t i = 0; i < draw_.instance_count; ++i) {
-            for (std::uint64_t begin = 0; begin < primitives; begin += kBatchPrimitives) {
-                const std::uint64_t end = std::min<std::uint64_t>(primitives, begin + kBatchPrimitives);
-                draw_window(window_of(begin, end), {i, 1}, begin, end);
+            AssemblyCursor at = first;
+            for (std::uint32_t left = primitives; left != 0;) {
+                const std::uint32_t count = std::min(left, kBatchPrimitives);
+                draw_window(window_of(at, count), {i, 1}, at, count);
+                left -= count;
             }
         }
     }
 
 private:
-    /// The vertices that some primitives use: a range of vertex numbers or, where that is mostly not used, a range of corners,
-    /// each shaded for itself.
+    /// The vertices that some primitives use: a range of vertex numbers or, where that is mostly not used, a range of positions
+    /// in the list of numbers, each shaded for itself.
     struct Window {
-        bool by_corner = false;
+        bool by_position = false;
         std::uint32_t first = 0;
         std::uint32_t count = 0;
     };
@@ -62,35 +67,28 @@ private:
         std::uint32_t count = 1;
     };
 
-    Window window_of(std::uint64_t begin, std::uint64_t end) const {
-        const auto corners = static_cast<std::size_t>(corner_count(draw_.topology));
-        std::uint32_t first_corner = ~0u;
-        std::uint32_t last_corner = 0;
-        std::uint32_t lowest = ~0u;
-        std::uint32_t highest = 0;
-        for (std::uint64_t p = begin; p < end; ++p) {
-            const AssembledPrimitive primitive = assembly_[static_cast<std::uint32_t>(p)];
-            for (std::size_t c = 0; c < corners; ++c) {
-                const std::uint32_t number = numbers_[primitive.corner[c]];
-                first_corner = std::min(first_corner, primitive.corner[c]);
-                last_corner = std::max(last_corner, primitive.corner[c]);
-                lowest = std::min(lowest, number);
-                highest = std::max(highest, number);
-            }
+    /// Of so many primitives of one instance.
+    Window window_of(const AssemblyCursor& at, std::uint32_t primitives) const {
+        const auto [first, last] = assembly_.positions(at, primitives);
+        const bool whole = primitives == assembly_.count() && numbers_.indexed();
+        VertexRange range = whole ? context_.index_range : numbers_.range(first, last + 1, draw_.primitive_restart);
+        std::uint32_t begin = first;
+        if (draw_.topology == Topology::TriangleFan) {
+            begin = at.run.begin;
+            range |= numbers_.range(begin, begin + 1, false);
         }
-        const std::uint64_t range = std::uint64_t{highest} - lowest + 1;
-        const std::uint64_t span = std::uint64_t{last_corner} - first_corner + 1;
-        if (range > 2 * span + 1024) return {true, first_corner, static_cast<std::uint32_t>(span)};
-        return {false, lowest, static_cast<std::uint32_t>(range)};
+        const std::uint64_t span = std::uint64_t{last} - begin + 1;
+        if (range.size() > 2 * span + 1024) return {true, begin, static_cast<std::uint32_t>(span)};
+        return {false, range.lowest, static_cast<std::uint32_t>(range.size())};
     }
 
-    /// Draws primitives [begin, end), counted through the instances.
-    void draw_window(const Window& window, const InstanceRange& instances, std::uint64_t begin, std::uint64_t end) {
+    /// Draws so many primitives from the cursor on, counted through the instances, and moves it behind them.
+    void draw_window(const Window& window, const InstanceRange& instances, AssemblyCursor& at, std::uint64_t primitives) {
         const bool flush = machine_.profile.flush_denormals;
         const Program& program = *draw_.program;
         const VertexFetch fetch{.vertices = context_.vertices,
                                 .instances = context_.instances,
-                                .corners = window.by_corner ? &numbers_ : nullptr,
+                                .corners = window.by_position ? &numbers_ : nullptr,
                                 .first = window.first,
                                 .base_vertex = draw_.base_vertex,
                                 .vertex_id_base = numbers_.indexed() ? 0 : draw_.first,
@@ -106,7 +104,7 @@ private:
             project_vertices(scratch_.vertices, context_.setup, machine_.workers, flush, scratch_.projected);
         const BinningInput<Scalar> input{.vertices = scratch_.vertices,
                                          .assembly = assembly_,
-                                         .numbers = window.by_corner ? nullptr : &numbers_,
+                                         .by_position = window.by_position,
                                          .base = window.first,
                                          .vertices_per_instance = window.count,
                                          .corners = corner_count(draw_.topology),
@@ -115,12 +113,11 @@ private:
                                          .state = context_.setup,
                                          .tiles_x = context_.tiles_x,
                                          .tiles = context_.tiles_x * context_.tiles_y};
-        for (std::uint64_t next = begin; next < end;) {
-            next = bin_primitives(input, next, std::min(end, next + kBatchPrimitives), machine_.workers, flush,
-                                  scratch_.projected, scratch_.primitives);
+        while (primitives != 0) {
+            primitives -= bin_primitives(input, at, std::min<std::uint64_t>(primitives, kBatchPrimitives), machine_.workers,
+                                         flush, scratch_.projected, scratch_.primitives);
             draw_tiles();
         }
-        if (machine_.tally != nullptr) count_vertices(fetch, begin == 0);
     }
 
     /// Tiles in parallel; each pixel belongs to one tile, and each tile keeps primitive order.
@@ -143,16 +140,16 @@ private:
         for (const auto& chunk : binned.chunks) machine_.tally->counters += chunk.counters;
     }
 
-    void count_vertices(const VertexFetch& fetch, bool first_batch) {
-        const std::uint64_t shaded = std::uint64_t{fetch.count} * fetch.instance_count;
+    /// Each vertex once per instance, whatever windows it is shaded in; every index once per instance.
+    void count_vertices() {
+        const std::uint64_t shaded = assembly_.distinct_vertices(context_.index_range) * draw_.instance_count;
         const auto floats = [](int count) { return static_cast<std::uint64_t>(count) * sizeof(float); };
         machine_.tally->counters.vertices += shaded;
         machine_.tally->read(draw_.vertices, shaded * floats(draw_.program->vertex_floats));
         if (draw_.program->instance_floats > 0)
             machine_.tally->read(draw_.instances, shaded * floats(draw_.program->instance_floats));
-        // Every index once per instance, with its first batch.
-        if (draw_.indices != BufferId::None && first_batch)
-            machine_.tally->read(draw_.indices, std::uint64_t{draw_.count} * fetch.instance_count * numbers_.bytes_each());
+        if (draw_.indices != BufferId::None)
+            machine_.tally->read(draw_.indices, std::uint64_t{draw_.count} * draw_.instance_count * numbers_.bytes_each());
     }
 
     const DrawContext& context_;
@@ -169,9 +166,13 @@ std::size_t bytes_of(const BatchScratch<Scalar>& scratch) {
     std::size_t bytes = size(scratch.vertices.scalars) + size(scratch.projected.screen) + size(scratch.projected.codes) +
                         size(scratch.primitives.refs) + size(scratch.primitives.tile_start) +
                         size(scratch.primitives.busy_tiles);
-    for (const auto& chunk : scratch.primitives.chunks)
-        bytes += size(chunk.pieces) + size(chunk.bins) + size(chunk.peer_planes) +
-                 chunk.peer_planes.size() * sizeof(PeerPlanes<Scalar>);
+    bytes += size(scratch.primitives.chunks);
+    for (const auto& chunk : scratch.primitives.chunks) {
+        bytes += size(chunk.pieces) + size(chunk.bins) + size(chunk.clipped) + size(chunk.outlines) + size(chunk.peer_planes);
+        for (const auto& vertices : chunk.clipped) bytes += size(vertices);
+        for (const auto& outline : chunk.outlines) bytes += sizeof(Outline) + size(outline->points);
+        bytes += chunk.peer_planes.size() * sizeof(PeerPlanes<Scalar>);
+    }
     return bytes;
 }
 

@@ -39,6 +39,7 @@ struct DrawContext {
     std::span<const float> vertices;
     std::span<const float> instances;
     std::span<const std::byte> indices;  // empty: none
+    VertexRange index_range;             // of the indices, those that restart left out
     std::vector<ViewportTransform> viewports;
     std::vector<ColorTarget> color;
     SetupState setup;

@@ -85,13 +85,13 @@ public:
     /// The lanes in `mask` write nothing; they go on as helpers. The functor says `static constexpr bool discards = true`.
     /// D3D11.3 22.5.1
     void discard(Mask mask) const { flow_.killed |= mask.bits() & flow_.branch; }
-    /// Runs `body` for the lanes in `mask`, if there are any: what `if` is in a shading language. Lanes outside compute along,
-    /// so the body keeps what it wants with select().
+    /// Runs `body` for the lanes in `mask`, helpers too, if there are any: what `if` is in a shading language. Lanes outside
+    /// compute along, so the body keeps what it wants with select().
     template <class Body>
     void branch(Mask mask, const Body& body) const {
         const std::uint32_t outer = flow_.branch;
         flow_.branch &= mask.bits();
-        if ((flow_.branch & flow_.covered) != 0) body();
+        if (flow_.branch != 0) body();
         flow_.branch = outer;
     }
 
@@ -152,10 +152,16 @@ public:
     /// As the profile has them where the shader does not say which. D3D11.3 22.5.2 (coarse), 22.5.4 (fine)
     Real ddx(const Real& x) const { return profile().plain_derivative == PlainDerivative::Fine ? ddx_fine(x) : ddx_coarse(x); }
     Real ddy(const Real& x) const { return profile().plain_derivative == PlainDerivative::Fine ? ddy_fine(x) : ddy_coarse(x); }
-    Real ddx_coarse(const Real& x) const { return note_derivative(), gnomon::ddx_coarse(x, profile().derivative_corner); }
-    Real ddy_coarse(const Real& x) const { return note_derivative(), gnomon::ddy_coarse(x, profile().derivative_corner); }
-    Real ddx_fine(const Real& x) const { return note_derivative(), gnomon::ddx_fine(x); }
-    Real ddy_fine(const Real& x) const { return note_derivative(), gnomon::ddy_fine(x); }
+    Real ddx_coarse(const Real& x) const {
+        note_derivative([&](std::uint32_t bits) { return ddx_coarse_readers(bits, profile().derivative_corner); });
+        return gnomon::ddx_coarse(x, profile().derivative_corner);
+    }
+    Real ddy_coarse(const Real& x) const {
+        note_derivative([&](std::uint32_t bits) { return ddy_coarse_readers(bits, profile().derivative_corner); });
+        return gnomon::ddy_coarse(x, profile().derivative_corner);
+    }
+    Real ddx_fine(const Real& x) const { return note_derivative(ddx_fine_readers), gnomon::ddx_fine(x); }
+    Real ddy_fine(const Real& x) const { return note_derivative(ddy_fine_readers), gnomon::ddy_fine(x); }
 
     Real rcp(const Real& x) const { return gnomon::rcp(x); }
     Real rsqrt(const Real& x) const { return gnomon::rsqrt(x); }
@@ -180,7 +186,7 @@ private:
     }
 
     LevelOfDetail<Real> quad_lod(const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv) const {
-        note_derivative();
+        note_derivative([&](std::uint32_t bits) { return quad_gradients_readers(bits, profile()); });
         return level_of_detail(quad_gradients(uv, profile()), TextureView(texture), sampler, profile());
     }
 
@@ -207,9 +213,10 @@ private:
         tally_->counters.texels_fetched += per_lane * lanes;
         tally_->read(id, per_lane * lanes * texel_bytes(texture.info()));
     }
-    void note_derivative() const {
+    template <class Readers>
+    void note_derivative(const Readers& readers) const {
         if (tally_ == nullptr && !environment_.reports_derivatives) return;
-        const DerivativeCauses causes = flow_.causes();
+        const DerivativeCauses causes = flow_.causes(readers);
         causes_ |= causes;
         if (tally_ != nullptr) count_derivative(tally_->counters, flow_, causes);
     }

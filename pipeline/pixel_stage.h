@@ -141,8 +141,10 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
         Real(wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
         fragment_depth<Real>(primitive, wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
 
-    // The functor.
-    LaneFlow flow{.covered = wave.covered, .counting = job.counting};
+    // The functor. In a run for one sample the lanes without it are helpers. D3D11.3 3.5.4, 16.13
+    const bool one_of_several = per_sample && job.system.samples > 1;
+    LaneFlow flow{.covered = one_of_several ? wave.samples.covered[static_cast<std::size_t>(job.system.sample)] : wave.covered,
+                  .counting = job.counting};
     result.causes = {};
     const FragmentContext<Real, Varyings> context(varyings, position, job.system, wave, job.environment, flow, result.causes,
                                                   job.tally);

@@ -27,7 +27,8 @@ Edge edge_between(const GridPoint& p, const GridPoint& q) {
 }
 
 /// The smallest step of a depth near `max_z`. D3D11.3 15.10
-double depth_step(const SetupState& state, double max_z) {
+template <class Scalar>
+double depth_step(const SetupState& state, Scalar max_z) {
     switch (state.depth_type) {
         case ComponentType::Depth16: return state.bias_steps / 65535.0;
         case ComponentType::Unorm8:
@@ -102,20 +103,21 @@ struct BarycentricSlopes {
 
 bool has_bias(const RasterState& raster) { return raster.depth_bias != 0 || raster.slope_scaled_depth_bias != 0.0f; }
 
+/// By operations of the profile's width: binary32 where the profile is, as 15.10 says.
 template <class Scalar>
 Scalar bias_of(const std::array<Scalar, 3>& z, double slope, const SetupState& state) {
     const RasterState& raster = state.raster;
     if (state.bias_arithmetic != DepthBiasArithmetic::D3d11)
         return static_cast<Scalar>(driver_depth_bias(
             {static_cast<float>(z[0]), static_cast<float>(z[1]), static_cast<float>(z[2])}, static_cast<float>(slope), state));
-    const double max_z = std::max(
-        {std::fabs(static_cast<double>(z[0])), std::fabs(static_cast<double>(z[1])), std::fabs(static_cast<double>(z[2]))});
-    double bias = raster.depth_bias * depth_step(state, max_z);
-    if (raster.slope_scaled_depth_bias != 0.0f) bias += static_cast<double>(raster.slope_scaled_depth_bias) * slope;
-    const auto limit = static_cast<double>(raster.depth_bias_clamp);
+    const Scalar max_z = std::max({std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])});
+    Scalar bias = static_cast<Scalar>(raster.depth_bias) * static_cast<Scalar>(depth_step(state, max_z));
+    if (raster.slope_scaled_depth_bias != 0.0f)
+        bias += static_cast<Scalar>(raster.slope_scaled_depth_bias) * static_cast<Scalar>(slope);
+    const auto limit = static_cast<Scalar>(raster.depth_bias_clamp);
     if (limit > 0) bias = std::min(limit, bias);
     if (limit < 0) bias = std::max(limit, bias);
-    return static_cast<Scalar>(bias);
+    return bias;
 }
 
 /// The planes of a clockwise triangle that begins with its farthest vertex.

@@ -214,14 +214,10 @@ private:
             const VertexNumbers numbers(context_.indices, draw_.index_type, draw_.first, draw_.count);
             const std::size_t held = context_.indices.size() / numbers.bytes_each();
             if (highest >= held) refuse("indices {} to {}, but the buffer holds {}", draw_.first, highest, held);
-            lowest = std::numeric_limits<std::uint64_t>::max();
-            highest = 0;
-            for (std::uint32_t i = 0; i < draw_.count; ++i) {
-                if (draw_.primitive_restart && numbers[i] == numbers.restart()) continue;
-                lowest = std::min<std::uint64_t>(lowest, numbers[i]);
-                highest = std::max<std::uint64_t>(highest, numbers[i]);
-            }
-            if (lowest > highest) return false;  // nothing but restarts
+            context_.index_range = numbers.range(0, draw_.count, draw_.primitive_restart);
+            if (context_.index_range.empty()) return false;  // nothing but restarts
+            lowest = context_.index_range.lowest;
+            highest = context_.index_range.highest;
         } else if (draw_.base_vertex != 0) {
             refuse("base vertex {} without indices", draw_.base_vertex);
         }

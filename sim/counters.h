@@ -9,7 +9,9 @@ namespace gnomon {
 
 struct Counters {
     // Geometry.
-    std::uint64_t vertices = 0;            // vertex functor results (padding lanes not counted)
+    // Distinct vertices that the primitives of a draw refer to, once per instance: what the vertex functor runs for behind a
+    // cache of results without limit. Counts nothing of the windows in which Gnomon shades them.
+    std::uint64_t vertices = 0;
     std::uint64_t primitives_in = 0;       // points, lines and triangles assembled
     std::uint64_t primitives_clipped = 0;  // of these, those that clipping cut
     std::uint64_t primitives_culled = 0;   // outside, facing away, without area, or between all samples
@@ -35,9 +37,9 @@ struct Counters {
     std::uint64_t texels_fetched = 0;        // per lane that counts
     // Derivatives, explicit ones and those of implicit levels of detail, per lane that counts. derivatives.h
     std::uint64_t derivatives = 0;
-    std::uint64_t derivatives_helper = 0;    // of these, with a lane outside the primitive in the quad
-    std::uint64_t derivatives_killed = 0;    // with a lane that was discarded before
-    std::uint64_t derivatives_inactive = 0;  // with a lane outside the branch
+    std::uint64_t derivatives_helper = 0;    // of these, that read a lane outside the primitive (or the sample at hand)
+    std::uint64_t derivatives_killed = 0;    // that read a lane that was discarded before
+    std::uint64_t derivatives_inactive = 0;  // that read a lane outside the branch
     std::uint64_t invalid_derivatives = 0;   // with any of the three
     // Output merger.
     std::uint64_t samples_blended = 0;  // read, blended and written, per target

@@ -52,6 +52,27 @@ Real ddy_coarse(const Real& x, DerivativeCorner corner) {
     return right ? quad_broadcast<3>(x) - quad_broadcast<1>(x) : ddy_coarse(x);
 }
 
+/// Lanes whose own row or column has a lane of `bits`: what the fine differences read.
+inline std::uint32_t ddx_fine_readers(std::uint32_t bits) {
+    const std::uint32_t any = (bits | bits >> 1) & 0x55555555u;
+    return any | any << 1;
+}
+inline std::uint32_t ddy_fine_readers(std::uint32_t bits) {
+    const std::uint32_t any = (bits | bits >> 2) & 0x33333333u;
+    return any | any << 2;
+}
+/// Lanes of quads that have a lane of `bits` in the row or column through the corner: what the coarse differences read.
+inline std::uint32_t ddx_coarse_readers(std::uint32_t bits, DerivativeCorner corner) {
+    const bool bottom = corner == DerivativeCorner::BottomLeft || corner == DerivativeCorner::BottomRight;
+    const std::uint32_t row = bottom ? bits >> 2 : bits;
+    return ((row | row >> 1) & 0x11111111u) * 0xfu;
+}
+inline std::uint32_t ddy_coarse_readers(std::uint32_t bits, DerivativeCorner corner) {
+    const bool right = corner == DerivativeCorner::TopRight || corner == DerivativeCorner::BottomRight;
+    const std::uint32_t column = right ? bits >> 1 : bits;
+    return ((column | column >> 2) & 0x11111111u) * 0xfu;
+}
+
 /// All four lanes of a quad, where any of them is set.
 inline std::uint32_t quad_any(std::uint32_t bits) {
     const std::uint32_t any = (bits | bits >> 1 | bits >> 2 | bits >> 3) & 0x11111111u;

@@ -27,6 +27,12 @@ GNOMON_INLINE Gradients<Real> quad_gradients(const Vec2<Real>& uv, const Profile
                 {ddy_coarse(uv.x, profile.derivative_corner), ddy_coarse(uv.y, profile.derivative_corner)}};
     return {{ddx_fine(uv.x), ddx_fine(uv.y)}, {ddy_fine(uv.x), ddy_fine(uv.y)}};
 }
+/// Lanes whose gradients it takes from a lane of `bits`.
+inline std::uint32_t quad_gradients_readers(std::uint32_t bits, const Profile& profile) {
+    if (profile.lod_sharing == LodSharing::Quad)
+        return ddx_coarse_readers(bits, profile.derivative_corner) | ddy_coarse_readers(bits, profile.derivative_corner);
+    return ddx_fine_readers(bits) | ddy_fine_readers(bits);
+}
 
 /// log2(x) / 2 of x >= 0 with the mantissa for its logarithm. Mesa 22.3.6, lp_bld_arit.c, lp_build_fast_log2
 inline Float half_log2_linear(Float x) {

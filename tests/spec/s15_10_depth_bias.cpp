@@ -1,9 +1,13 @@
 // D3D11.3 15.10: constant and slope-scaled depth bias, its clamp, and the clamp of depth behind it (17.10).
+#include "tests/oracle/random.h"
 #include "tests/oracle/raster.h"
 #include "tests/unit/pipeline_programs.h"
 
 #include <catch2/catch.hpp>
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 using namespace gnomon;
@@ -78,6 +82,87 @@ TEST_CASE("slope-scaled bias and its clamp", "[depth][15.10]") {
         CHECK(shift({.slope_scaled_depth_bias = -3.0f, .depth_bias_clamp = -0.03125f}, i) == -0.03125f);
         CHECK(shift({.slope_scaled_depth_bias = -1.0f, .depth_bias_clamp = 0.03125f}, i) == -1.0f / 64.0f);
         CHECK(shift({.depth_bias = 4, .slope_scaled_depth_bias = 2.0f}, i) == 2.0f / 64.0f + 0x1p-22f);
+    }
+}
+
+namespace {
+
+/// 15.10 operation by operation in float32.
+float d3d_bias(Format format, const RasterState& raster, const std::array<float, 3>& z, float max_slope) {
+    float r = 0;
+    if (format == Format::D32Float) {
+        int exponent = 0;
+        std::frexp(std::max({std::fabs(z[0]), std::fabs(z[1]), std::fabs(z[2])}), &exponent);  // mantissa in [1/2, 1)
+        r = std::ldexp(1.0f, exponent - 1 - 23);
+    } else {
+        r = static_cast<float>(1.0 / (format == Format::D16 ? 65535.0 : 16777215.0));
+    }
+    const float constant = static_cast<float>(raster.depth_bias) * r;
+    float bias = constant;
+    if (raster.slope_scaled_depth_bias != 0.0f) {
+        const float sloped = raster.slope_scaled_depth_bias * max_slope;
+        bias = constant + sloped;
+    }
+    if (raster.depth_bias_clamp > 0.0f) bias = std::min(raster.depth_bias_clamp, bias);
+    if (raster.depth_bias_clamp < 0.0f) bias = std::max(raster.depth_bias_clamp, bias);
+    return bias;
+}
+
+/// Draws triangles whose first corner is the centre of a pixel, where depth is that of the vertex, to the bit.
+class CornerCanvas {
+public:
+    explicit CornerCanvas(Format format)
+        : format_(format), target_(device_.create_texture("depth", {.format = format, .width = 4, .height = 4})) {}
+
+    std::uint32_t code(const std::array<float, 3>& z, const RasterState& raster) {
+        // Sides of 4 pixels from (1/2, 1/2): half a pixel is a quarter of the clip space's half.
+        const std::vector<TestVertex> v{
+            {-0.75f, 0.75f, z[0], 1, 0, 0}, {1.25f, 0.75f, z[1], 1, 0, 0}, {-0.75f, -1.25f, z[2], 1, 0, 0}};
+        Draw draw = make_draw(depth_only_program(), upload(device_, v), 0, 3);
+        draw.depth = target_;
+        draw.raster = raster;
+        draw.depth_state.compare = CompareOp::Always;
+        device_.execute(draw);
+        return codes_of(device_.texture(target_))[0];
+    }
+    void check(const std::array<float, 3>& z, const RasterState& raster) {
+        const float max_slope = std::max(std::fabs(z[1] - z[0]), std::fabs(z[2] - z[0])) / 4.0f;
+        const float bias = d3d_bias(format_, raster, z, max_slope);
+        const std::uint32_t expected = depth_code_of(format_, z[0] + bias);
+        const std::uint32_t got = code(z, raster);
+        if (got != expected)
+            FAIL(fmt::format(
+                "{}: z {:a} {:a} {:a}, bias {}, slope-scaled {:a}, clamp {:a}: code {:#x}, expected {:#x} (bias {:a})",
+                name_of(format_), z[0], z[1], z[2], raster.depth_bias, raster.slope_scaled_depth_bias, raster.depth_bias_clamp,
+                got, expected, bias));
+    }
+
+private:
+    Device device_{Profile{}, 1};
+    Format format_;
+    TextureId target_;
+};
+
+}  // namespace
+
+TEST_CASE("depth bias is computed and added in float32", "[depth][15.10]") {
+    for (const Format format : {Format::D16, Format::D24, Format::D32Float}) {
+        CornerCanvas canvas(format);
+        const double codes = format == Format::D16 ? 65535.0 : 16777215.0;
+        oracle::Random random(static_cast<std::uint64_t>(format));
+        for (int steps = 1; steps <= 300; ++steps) {
+            const int bias = steps % 2 == 0 ? steps : -steps;
+            // Halfway between two codes the last bit of the bias shows; small depths keep more of it.
+            const auto tie = static_cast<float>((random.integer(400, 60000) + 0.5) / codes);
+            for (const float z0 : {tie, random.unit() * 0x1p-12f + 0x1p-10f, random.unit()}) {
+                canvas.check({z0, z0, z0}, {.depth_bias = bias});
+                const std::array<float, 3> slope{z0, z0 * random.unit(), z0 * random.unit()};
+                const float scale = random.in(-3.0f, 3.0f);
+                const float limit = z0 * random.unit() * 0.25f;
+                for (const float clamp : {0.0f, limit, -limit})
+                    canvas.check(slope, {.depth_bias = bias, .slope_scaled_depth_bias = scale, .depth_bias_clamp = clamp});
+            }
+        }
     }
 }
 

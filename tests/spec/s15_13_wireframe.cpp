@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include <bit>
+#include <cmath>
+
 using namespace gnomon;
 using namespace gnomon::testing;
 using oracle::Masks;
@@ -113,4 +116,48 @@ TEST_CASE("clipping a wireframe triangle opens it", "[raster][15.13][15.4]") {
         // The row of the cut has the two sides in it and nothing between.
         CHECK(drawn.at(16, cut) == 0);
     }
+}
+
+TEST_CASE("edges of a clipped wireframe triangle take the bias of their own post-clip triangle", "[raster][15.13][15.10]") {
+    // Corner 0 is cut off by the near plane, which leaves (cut, corner 1, corner 2, cut) in two triangles. The step of a D32
+    // bias follows the largest depth of each: every triangle with an edge at corner 2 has its depth of 0.9.
+    const std::array<Point, 3> t{Point{16 * 256, 2 * 256 + 64}, Point{28 * 256, 28 * 256}, Point{4 * 256, 28 * 256}};
+    const std::array<float, 3> z{-0.5f, 0.05f, 0.9f};
+    constexpr float kSteps = 4096;
+    for (std::size_t turn = 0; turn < 3; ++turn)
+        for (const bool mirrored : {false, true}) {
+            std::vector<RasterVertex> vertices;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const std::size_t corner = (mirrored ? 2 - i + turn : i + turn) % 3;
+                vertices.push_back(vertex_at(t[corner], {0, 0, 32, 32}, 1.0f));
+                vertices.back().clip[2] = z[corner];
+            }
+            const auto depths = [&](int steps) {
+                Canvas canvas(mark_program(), Profile{}, {.width = 32, .height = 32, .depth = Format::D32Float});
+                canvas.clear();
+                Draw draw = canvas.draw_of(vertices);
+                draw.raster.fill = FillMode::Wireframe;
+                draw.raster.depth_bias = steps;
+                draw.depth_state = {.test = true, .write = true, .compare = CompareOp::Always};
+                canvas.execute(draw);
+                std::vector<float> values;
+                for (int y = 0; y < 32; ++y)
+                    for (int x = 0; x < 32; ++x) values.push_back(std::bit_cast<float>(canvas.depth_code({x, y})));
+                return values;
+            };
+            const auto plain = depths(0);
+            const auto biased = depths(static_cast<int>(kSteps));
+            // The lower edge, corner 1 to corner 2, and what is left of the one from corner 2 up; the joint of it with the cut
+            // and the right end, where the third edge is drawn over it, are left out.
+            int checked = 0;
+            for (int y = 21; y < 32; ++y)
+                for (int x = 0; x < 26; ++x) {
+                    const auto i = static_cast<std::size_t>(y * 32 + x);
+                    if (plain[i] == 1.0f || (x > 12 && y < 27)) continue;
+                    ++checked;
+                    INFO("turn " << turn << ", mirrored " << mirrored << ", pixel (" << x << ", " << y << ")");
+                    CHECK(std::fabs(biased[i] - plain[i] - kSteps * 0x1p-24f) <= 0x1p-23f);
+                }
+            CHECK(checked > 25);
+        }
 }

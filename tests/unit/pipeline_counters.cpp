@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <set>
+
 using namespace gnomon;
 using namespace gnomon::testing;
 
@@ -318,4 +320,55 @@ TEST_CASE("indices and instances count what is fetched", "[counters]") {
     CHECK(tally.counters.primitives_in == 3 * 2);
     CHECK(tally.of(draw.indices) == Bytes{.read = 3 * 6 * 2, .written = 0});
     CHECK(tally.of(draw.vertices) == Bytes{.read = 9 * 24, .written = 0});
+}
+
+namespace {
+
+/// What a draw of these indices over `vertices` vertices counts.
+Tally count_indexed(const std::vector<std::uint32_t>& indices, std::size_t vertices, Topology topology, bool restart = false) {
+    Device device(Profile{}, 2);
+    Draw draw = make_draw(depth_only_program(), upload(device, std::vector<TestVertex>(vertices, at(0, 0))), 0,
+                          static_cast<std::uint32_t>(indices.size()));
+    draw.indices = device.create_buffer("indices", std::as_bytes(std::span(indices)));
+    draw.topology = topology;
+    draw.primitive_restart = restart;
+    draw.instance_count = 2;
+    draw.depth = device.create_texture("d", {.format = Format::D16, .width = 8, .height = 8});
+    device.execute(ClearDepth{draw.depth, 1.0f});
+    device.take_tally();
+    device.enable_counters(true);
+    device.execute(draw);
+    const Tally tally = device.take_tally();
+    CHECK(tally.of(draw.vertices) == Bytes{.read = tally.counters.vertices * 24, .written = 0});
+    CHECK(tally.of(draw.indices) == Bytes{.read = 2 * 4 * indices.size(), .written = 0});
+    return tally;
+}
+
+}  // namespace
+
+TEST_CASE("vertices are those that primitives refer to, whatever windows they are shaded in", "[counters]") {
+    // Far apart; more than once; left over behind the last primitive; in runs too short for one.
+    CHECK(count_indexed({0, 1000, 2}, 1001, Topology::TriangleList).counters.vertices == 2 * 3);
+    CHECK(count_indexed({5, 6, 7, 7, 6, 8}, 1001, Topology::TriangleList).counters.vertices == 2 * 4);
+    CHECK(count_indexed({0, 1, 2, 500, 501}, 1001, Topology::TriangleList).counters.vertices == 2 * 3);
+    CHECK(count_indexed({9, ~0u, 0, 1, 2, ~0u, 3, 4}, 1001, Topology::TriangleStrip, true).counters.vertices == 2 * 3);
+    CHECK(count_indexed({0, 900000, 2}, 1000000, Topology::TriangleList).counters.vertices == 2 * 3);
+
+    // A ring that goes round 300,000 vertices twice: no window holds them all, and every one comes up in several.
+    constexpr std::uint32_t kMany = 300'000;
+    std::vector<std::uint32_t> ring;
+    for (std::uint32_t i = 0; i < 2 * kMany; ++i)
+        for (const std::uint32_t ahead : {0u, 1u, 2u}) ring.push_back((i + ahead) % kMany);
+    CHECK(count_indexed(ring, kMany, Topology::TriangleList).counters.vertices == 2 * std::uint64_t{kMany});
+    // Strewn, so that corners are shaded one by one.
+    for (std::uint32_t i = 0; i < ring.size(); ++i) ring[i] = i * 2654435761u % kMany / 3 * 3;
+    const std::set<std::uint32_t> strewn(ring.begin(), ring.end());
+    CHECK(count_indexed(ring, kMany, Topology::TriangleList).counters.vertices == 2 * strewn.size());
+    // Without indices: what is left over is not shaded.
+    Device device(Profile{}, 1);
+    Draw draw = make_draw(depth_only_program(), upload(device, std::vector<TestVertex>(11, at(0, 0))), 0, 11);
+    draw.depth = device.create_texture("d", {.format = Format::D16, .width = 8, .height = 8});
+    device.enable_counters(true);
+    device.execute(draw);
+    CHECK(device.take_counters().vertices == 9);
 }

@@ -167,3 +167,47 @@ TEST_CASE("what draws hold on to does not grow with triangles, resolution or sam
     CHECK(large < small * 2);
     CHECK(sampled < few * 2);
 }
+
+TEST_CASE("indices, restarts and clipping hold on to no more for a long draw than for a short one",
+          "[specialisation][memory]") {
+    // Strips of a few triangles over strewn vertices, all of them cut by the near plane, solid and in wireframe.
+    const auto scratch = [](std::uint32_t triangles, FillMode fill) {
+        Canvas canvas(load_profile("d3d11"), 512, 512, 1, 2);
+        constexpr std::uint32_t kVertices = 5000;
+        std::vector<TestVertex> v;
+        for (std::uint32_t i = 0; i < kVertices; ++i) {
+            const float x = static_cast<float>(i * 7919u % 8191u) / 4096.0f - 1.0f;
+            const float y = static_cast<float>(i * 104729u % 8191u) / 4096.0f - 1.0f;
+            v.push_back({x * 0.1f, y * 0.1f, i % 2 == 0 ? -0.25f : 0.5f, 1, 0, 0});
+        }
+        std::vector<std::uint32_t> indices;
+        for (std::uint32_t made = 0; made < triangles; made += 4) {
+            for (std::uint32_t i = 0; i < 6; ++i) indices.push_back((made * 31u + i) % kVertices);
+            indices.push_back(0xffffffffu);
+        }
+        Draw draw = make_draw(depth_only_program(), upload(canvas.device, v), 0, static_cast<std::uint32_t>(indices.size()));
+        draw.indices = canvas.device.create_buffer("indices", std::as_bytes(std::span(indices)));
+        draw.topology = Topology::TriangleStrip;
+        draw.primitive_restart = true;
+        draw.raster.fill = fill;
+        draw.depth = canvas.target(Format::D32Float);
+        canvas.device.enable_counters(true);
+        canvas.device.execute(draw);
+        const Counters counters = canvas.device.take_counters();
+        CHECK(counters.primitives_in == triangles);
+        CHECK(counters.primitives_clipped == triangles);
+        return std::pair{canvas.device.scratch_bytes(), counters.primitives_drawn};
+    };
+    for (const FillMode fill : {FillMode::Solid, FillMode::Wireframe}) {
+        // Both end with a whole batch.
+        const auto [some, drawn] = scratch(1u << 14u, fill);
+        const auto [many, drawn_of_many] = scratch(40u << 14u, fill);
+        INFO(some << " bytes for one batch, " << many << " for forty");
+        // What clipping made is part of it: three vertices or more, of six floats.
+        CHECK(drawn > 1u << 13u);
+        CHECK(drawn_of_many > drawn);
+        CHECK(some > drawn * (sizeof(Primitive<float>) + 3 * 6 * sizeof(float)));
+        // Vectors may have grown for a batch with more to keep; 8 bytes per primitive would be 5 MB.
+        CHECK(many < some + some / 2);
+    }
+}

@@ -42,6 +42,35 @@ void check_derivatives() {
 TEST_CASE("coarse and fine derivatives in Float", "[quad][22.5.2][22.5.4]") { check_derivatives<Float>(); }
 TEST_CASE("coarse and fine derivatives in Double", "[quad][22.5.2][22.5.4]") { check_derivatives<Double>(); }
 
+TEST_CASE("readers of a lane are those whose difference changes with it", "[quad][22.5.2][22.5.4]") {
+    std::array<float, kLanes> before;
+    for (std::size_t i = 0; i < kLanes; ++i) before[i] = static_cast<float>(i * i);
+    const auto check = [&](const auto& difference, const auto& readers) {
+        for (std::size_t lane = 0; lane < kLanes; ++lane) {
+            std::array<float, kLanes> after = before;
+            after[lane] += 1000.0f;
+            const Mask changed = difference(Float::load(before.data())) != difference(Float::load(after.data()));
+            REQUIRE((readers(1u << lane) & kAllLanes) == changed.bits());
+        }
+        // Of several lanes: those of each.
+        for (std::uint32_t bits = 0; bits <= kAllLanes; bits += 1 + bits / 37) {
+            std::uint32_t expected = 0;
+            for (std::size_t lane = 0; lane < kLanes; ++lane)
+                if ((bits >> lane & 1u) != 0) expected |= readers(1u << lane);
+            REQUIRE(readers(bits) == expected);
+        }
+    };
+    check([](Float x) { return ddx_fine(x); }, ddx_fine_readers);
+    check([](Float x) { return ddy_fine(x); }, ddy_fine_readers);
+    for (const auto& [corner, name] : kEnumNames<DerivativeCorner>) {
+        INFO(name);
+        check([&](Float x) { return ddx_coarse(x, corner); },
+              [&](std::uint32_t bits) { return ddx_coarse_readers(bits, corner); });
+        check([&](Float x) { return ddy_coarse(x, corner); },
+              [&](std::uint32_t bits) { return ddy_coarse_readers(bits, corner); });
+    }
+}
+
 TEST_CASE("quad_any spreads a lane over its quad", "[quad]") {
     for (std::uint32_t bits = 0; bits <= kAllLanes; ++bits) {
         std::uint32_t expected = 0;
