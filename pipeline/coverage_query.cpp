@@ -85,6 +85,8 @@ public:
 
     // As TriangleWalk wants it.
     std::uint32_t hidden(int, std::uint32_t) const { return 0; }
+    void begin_whole_block() {}
+    void end_whole_block(int) {}
     void add(const QuadRow& row, std::uint32_t covered, const Samples& samples) {
         for (std::uint32_t rest = covered; rest != 0; rest &= rest - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(rest));

@@ -282,6 +282,12 @@ public:
         for (std::size_t q = 0; q < static_cast<std::size_t>(wave.quads); ++q)
             if ((passed >> (4 * q) & 0xfu) != 0) note_quads(wave.quad_x[q], wave.quad_y[q], 1);
     }
+    /// Every sample of a block was written with codes up to `farthest`.
+    void note_covered(int block, std::int32_t farthest) {
+        const auto i = static_cast<std::size_t>(block);
+        farthest_[i] = larger_is_far_ ? std::min(farthest_[i], farthest) : std::max(farthest_[i], farthest);
+        written_[i] = 0;
+    }
     /// Another target: nothing is known.
     void forget_all() {
         written_.fill(kStaleQuads);

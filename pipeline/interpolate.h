@@ -57,6 +57,14 @@ GNOMON_INLINE PixelOffset<Real> pixel_offset(const PixelLanes& pixels, Int x, In
     return {Real(shift_left<kSubpixelBits>(pixels.x) + (x - Int(x0))) * subpixel,
             Real(shift_left<kSubpixelBits>(pixels.y) + (y - Int(y0))) * subpixel};
 }
+/// The same in a row of quads, with less to compute.
+template <class Real>
+GNOMON_INLINE PixelOffset<Real> pixel_offset(const QuadRow& row, std::int32_t x, std::int32_t y, std::int32_t x0,
+                                             std::int32_t y0) {
+    const Real subpixel(1.0f / kSubpixels);
+    return {Real(shift_left<kSubpixelBits>(lane_dx()) + Int(row.x * kSubpixels + x - x0)) * subpixel,
+            Real(shift_left<kSubpixelBits>(lane_dy()) + Int(row.y * kSubpixels + y - y0)) * subpixel};
+}
 template <class Real>
 GNOMON_INLINE PixelOffset<Real> centre_offset(const PixelLanes& pixels, std::int32_t x0, std::int32_t y0) {
     return pixel_offset<Real>(pixels, Int(kSubpixels / 2), Int(kSubpixels / 2), x0, y0);
@@ -65,6 +73,10 @@ template <class Real>
 GNOMON_INLINE PixelOffset<Real> sample_offset(const PixelLanes& pixels, const SamplePosition& at, std::int32_t x0,
                                               std::int32_t y0) {
     return pixel_offset<Real>(pixels, Int(at.x * kSampleGrid), Int(at.y * kSampleGrid), x0, y0);
+}
+template <class Real>
+GNOMON_INLINE PixelOffset<Real> sample_offset(const QuadRow& row, const SamplePosition& at, std::int32_t x0, std::int32_t y0) {
+    return pixel_offset<Real>(row, at.x * kSampleGrid, at.y * kSampleGrid, x0, y0);
 }
 
 /// The centroid: the centre of pixels that are covered whole, else the first sample that is covered and in the sample mask; in
@@ -106,9 +118,10 @@ GNOMON_INLINE Real interpolate_depth(const Primitive<Scalar>& p, const PixelOffs
     return Real(p.z0) + (at.dx * Real(p.z_dx) + at.dy * Real(p.z_dy));
 }
 
-/// Depth at a position inside each pixel, with the bias of a profile that adds it to every fragment.
-template <class Real, class Scalar>
-GNOMON_INLINE Real fragment_depth(const Primitive<Scalar>& p, const PixelLanes& pixels, const SamplePosition& at,
+/// Depth at a position inside each pixel (of a PixelLanes or a QuadRow), with the bias of a profile that adds it to every
+/// fragment.
+template <class Real, class Scalar, class Pixels>
+GNOMON_INLINE Real fragment_depth(const Primitive<Scalar>& p, const Pixels& pixels, const SamplePosition& at,
                                   PlaneEquations equations) {
     const Real z = interpolate_depth(p, sample_offset<Real>(pixels, at, p.z_origin.x, p.z_origin.y), equations);
     return p.z_bias != Scalar(0) ? z + Real(p.z_bias) : z;

@@ -74,6 +74,7 @@ public:
         depth_.emplace(*state.depth_texture, state.depth_view, state.depth, state.stencil);
         hierarchy_.emplace(*depth_, tile_x, tile_y, limit, sample_count());
         tests_all_ = depth_->stencil().test || !depth_->depth().test || tally_ != nullptr;
+        bounds_blocks_ = hierarchy_->usable() && state.order == DepthOrder::Early && depth_->depth().write;
         uses_hierarchy_ = hierarchy_->usable() && !(state.program->pixel.writes_depth && state.order != DepthOrder::Early);
     }
 
@@ -149,26 +150,43 @@ private:
     /// Hierarchical depth: the nearest depth of the primitive over blocks n, n + 1, ... against the farthest stored in them.
     std::uint32_t hidden(int n, std::uint32_t blocks) {
         if (!uses_hierarchy_) return 0;
-        const PixelRect& extent = state_.depth_extent;
-        const auto nearest = [&](Scalar slope, int first, int last) {
-            return (slope > 0) == hierarchy_->larger_is_far() ? first : (kBlockSize - 1) * kSubpixels + last;
-        };
-        const Int block = Int(n) + lane_index();
-        const Int x = Int(tile_.x0) + (block & Int(kBlocksPerTile - 1)) * Int(kBlockSize);
-        const Int y = Int(tile_.y0) + shift_right_logical<kBlockRowBits>(block) * Int(kBlockSize);
-        const auto at = pixel_offset<Real>({x, y}, Int(nearest(primitive_->z_dx, extent.x0, extent.x1)),
-                                           Int(nearest(primitive_->z_dy, extent.y0, extent.y1)), primitive_->z_origin.x,
-                                           primitive_->z_origin.y);
-        Real z = interpolate_depth(*primitive_, at, state_.plane_equations);
-        if (primitive_->z_bias != Scalar(0)) z = z + Real(primitive_->z_bias);
-        // Planes of drivers may be anything.
-        if (state_.plane_equations != PlaneEquations::Barycentric) blocks &= (z - z == Real(Scalar(0))).bits();
-        const std::uint32_t rejected =
-            hierarchy_->rejects(n, depth_code(z, range_, depth_->type(), state_.depth_rounding), blocks);
+        const CodesOfBlocks nearest = codes_of_blocks(n, hierarchy_->larger_is_far());
+        const std::uint32_t rejected = hierarchy_->rejects(n, nearest.codes, blocks & nearest.known);
         if (tally_ == nullptr) return rejected;
         // Counters are of what is drawn, not of how: these blocks are gone through all the same.
         tally_->counters.blocks_rejected += count(rejected);
         return 0;
+    }
+
+    /// Depth codes of the primitive that bound those of all its samples in blocks n, n + 1, ... from one side.
+    struct CodesOfBlocks {
+        Int codes;
+        std::uint32_t known;  // lanes of blocks; elsewhere planes give no numbers
+    };
+    CodesOfBlocks codes_of_blocks(int n, bool least) const {
+        const PixelRect& extent = state_.depth_extent;
+        const auto corner = [&](Scalar slope, int first, int last) {
+            return Int((slope > 0) == least ? first : (kBlockSize - 1) * kSubpixels + last);
+        };
+        const Int block = Int(n) + lane_index();
+        const PixelLanes first{Int(tile_.x0) + (block & Int(kBlocksPerTile - 1)) * Int(kBlockSize),
+                               Int(tile_.y0) + shift_right_logical<kBlockRowBits>(block) * Int(kBlockSize)};
+        const auto at =
+            pixel_offset<Real>(first, corner(primitive_->z_dx, extent.x0, extent.x1),
+                               corner(primitive_->z_dy, extent.y0, extent.y1), primitive_->z_origin.x, primitive_->z_origin.y);
+        Real z = interpolate_depth(*primitive_, at, state_.plane_equations);
+        if (primitive_->z_bias != Scalar(0)) z = z + Real(primitive_->z_bias);
+        return {depth_code(z, range_, depth_->type(), state_.depth_rounding), (z - z == Real(Scalar(0))).bits()};
+    }
+
+    /// Before and after the rows of a block that is covered as a whole. Where all of it passed, the primitive's own farthest
+    /// depth bounds what is stored now.
+    void begin_whole_block() { all_passed_ = kAllLanes; }
+    void end_whole_block(int block) {
+        if (!bounds_blocks_ || all_passed_ != kAllLanes) return;
+        const int n = block / kLanes * kLanes;
+        const CodesOfBlocks farthest = codes_of_blocks(n, !hierarchy_->larger_is_far());
+        if ((farthest.known >> (block - n) & 1u) != 0) hierarchy_->note_covered(block, lane(farthest.codes, block - n));
     }
 
     /// A row with covered lanes: the tests that come before the functor, then the functor for the quads that are left.
@@ -183,8 +201,9 @@ private:
             live = 0;
             for (int s = 0; s < sample_count(); ++s) {
                 auto& mask = samples.live[static_cast<std::size_t>(s)];
-                if (mask != 0) mask = test(row, mask, depth_of(row.pixels(), s), s, state_.order == DepthOrder::Early);
+                if (mask != 0) mask = test(row, mask, depth_of(row, s), s, state_.order == DepthOrder::Early);
                 live |= mask;
+                all_passed_ &= mask;
             }
         }
         if (tally_ != nullptr) count_covered(covered, live, samples);
@@ -220,7 +239,8 @@ private:
     [[nodiscard]] SamplePosition depth_position(int s) const {
         return kMulti ? state_.depth_pattern.at[static_cast<std::size_t>(s)] : kPixelCentre;
     }
-    GNOMON_INLINE Real depth_of(const PixelLanes& pixels, int s) const {
+    template <class Pixels>
+    GNOMON_INLINE Real depth_of(const Pixels& pixels, int s) const {
         return fragment_depth<Real>(*primitive_, pixels, depth_position(s), state_.plane_equations);
     }
 
@@ -416,6 +436,8 @@ private:
     ShadeWave<Real> functor_;  // null: depth only
     bool tests_all_ = false;   // more than depth, or less, or counters
     bool uses_hierarchy_ = false;
+    bool bounds_blocks_ = false;    // a block whose samples all pass has a new farthest depth
+    std::uint32_t all_passed_ = 0;  // lanes that passed for all samples since the block began
     const Primitive<Scalar>* primitive_ = nullptr;
     DepthRange<Scalar> range_;
     std::array<ColorTarget, kMaxTargets> color_;

@@ -21,6 +21,7 @@ inline bool contains(const PixelRect& outer, const PixelRect& inner) {
 
 /// Goes through the samples of one tile that a triangle covers. `Client` has
 ///   std::uint32_t hidden(int n, std::uint32_t blocks): of the blocks n, n + 1, ... whose bits are set those to leave out;
+///   void begin_whole_block(), end_whole_block(int n): around the rows of a block that is covered as a whole;
 ///   void add(const QuadRow&, std::uint32_t covered, Samples&): lanes with a covered sample, and each sample's in
 ///   Samples::covered, LanesBySample of one or kMaxSamples.
 template <class Samples, class Client>
@@ -75,30 +76,35 @@ private:
             for (; blocks != 0; blocks &= blocks - 1) {
                 const int lane = std::countr_zero(blocks);
                 const int block = n + lane;
-                walk_block(edges, steps, (here.inside >> lane & 1u) != 0, block % kBlocksPerTile * kBlockSize,
-                           block / kBlocksPerTile * kBlockSize);
+                walk_block(edges, steps, (here.inside >> lane & 1u) != 0, block);
             }
         }
     }
 
-    /// The block at (dx, dy) in the tile: the rows and columns of waves that the bounds touch.
-    void walk_block(const TileEdges& edges, const LaneSteps& steps, bool inside, int dx, int dy) {
+    /// The rows and columns of waves that the bounds touch.
+    void walk_block(const TileEdges& edges, const LaneSteps& steps, bool inside, int block) {
+        const int dx = block % kBlocksPerTile * kBlockSize;
+        const int dy = block / kBlocksPerTile * kBlockSize;
         const int x = area_.tile.x0 + dx;
         const int y = area_.tile.y0 + dy;
         const int first_y = std::max(0, touched_.y0 - y) & ~(kWaveHeight - 1);
         const int first_x = std::max(0, touched_.x0 - x) & ~(kWaveWidth - 1);
-        const bool whole = inside && contains(area_.visible, {x, y, x + kBlockSize, y + kBlockSize});
-        for (int v = first_y; v < std::min(kBlockSize, touched_.y1 - y); v += kWaveHeight) {
-            for (int u = first_x; u < std::min(kBlockSize, touched_.x1 - x); u += kWaveWidth) {
-                if (!whole) {
-                    add_row({x + u, y + v}, edges, steps, dx + u, dy + v);
-                    continue;
-                }
+        const int end_y = std::min(kBlockSize, touched_.y1 - y);
+        const int end_x = std::min(kBlockSize, touched_.x1 - x);
+        if (!inside || !contains(area_.visible, {x, y, x + kBlockSize, y + kBlockSize})) {
+            for (int v = first_y; v < end_y; v += kWaveHeight)
+                for (int u = first_x; u < end_x; u += kWaveWidth) add_row({x + u, y + v}, edges, steps, dx + u, dy + v);
+            return;
+        }
+        client_.begin_whole_block();
+        for (int v = 0; v < kBlockSize; v += kWaveHeight) {
+            for (int u = 0; u < kBlockSize; u += kWaveWidth) {
                 Samples samples;
                 for (std::size_t s = 0; s < sample_count(); ++s) samples.covered[s] = kAllLanes;
                 client_.add({x + u, y + v}, kAllLanes, samples);
             }
         }
+        client_.end_whole_block(block);
     }
 
     /// The row at (dx, dy) from where the edges begin.
