@@ -83,81 +83,6 @@ struct PixelTraits {
     bool force_early = false;  // D3D11.3 16.12.1
 };
 
-/// Varyings and w as renderers with planes of their own have them.
-template <class Real, class Varyings>
-[[gnu::noinline]] void take_peer_varyings(const PixelJob<Real>& job, Varyings& varyings, Real& w) {
-    const PixelLanes centre{Int(kSubpixels / 2), Int(kSubpixels / 2)};
-    PeerPositions positions{centre, centre, centre};
-    if (job.system.samples > 1) positions.centroid = centroid_position(*job.wave, job.pattern, job.system.sample_mask);
-    if (job.system.sample >= 0) {
-        const SamplePosition& at = job.pattern.at[static_cast<std::size_t>(job.system.sample)];
-        positions.sample = {Int(at.x * kSampleGrid), Int(at.y * kSampleGrid)};
-    }
-    const auto interpolate = [&](std::span<const Interpolation> modes, Real* values) {
-        interpolate_as_peer(*job.primitive->peer_planes, modes, job.wave->pixels, positions, job.primitive->flat, values, w);
-    };
-    if constexpr (std::is_empty_v<Varyings>) {
-        interpolate({}, nullptr);
-    } else {
-        static constexpr auto kModes = interpolations<Varyings, Real>();
-        std::array<Real, kModes.size()> values;
-        interpolate(kModes, values.data());
-        varyings = std::bit_cast<Varyings>(values);
-    }
-}
-
-template <class Real, class VertexFunctor, class PixelFunctor>
-void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real>& result) {
-    using Varyings = typename VertexFunctor::template Varyings<Real>;
-    constexpr bool kCentroid = any_interpolation<Varyings, Real>(is_centroid);
-    constexpr bool kSample = any_interpolation<Varyings, Real>(is_at_sample);
-    const auto& primitive = *job.primitive;
-    const Wave& wave = *job.wave;
-    const bool per_sample = job.system.sample >= 0;
-    const std::int32_t x0 = primitive.x0;
-    const std::int32_t y0 = primitive.y0;
-
-    // Where to evaluate: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the
-    // pixel in runs per sample too. D3D11.3 3.5.4.1.1
-    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(wave.pixels, x0, y0));
-    const SamplePosition at = per_sample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
-    const auto centroid_point = [&]() -> EvaluationPoint<Real> {
-        if (!kCentroid || job.system.samples == 1) return centre;
-        const PixelLanes on = centroid_position(wave, job.pattern, job.system.sample_mask);
-        return evaluation_point(primitive, pixel_offset<Real>(wave.pixels, on.x, on.y, x0, y0));
-    };
-    const auto sample_point = [&]() -> EvaluationPoint<Real> {
-        if (!kSample && !per_sample) return centre;
-        return evaluation_point(primitive, sample_offset<Real>(wave.pixels, at, x0, y0));
-    };
-    const EvaluationPoint<Real> centroid = centroid_point();
-    const EvaluationPoint<Real> sample = sample_point();
-    auto varyings = interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
-    Real w = sample.perspective.w;  // the centre's where it runs for the whole pixel
-    if (primitive.peer_planes != nullptr) [[unlikely]]
-        take_peer_varyings(job, varyings, w);
-    const Vec4<Real> position{
-        Real(wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
-        Real(wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
-        fragment_depth<Real>(primitive, wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
-
-    // The functor. In a run for one sample the lanes without it are helpers. D3D11.3 3.5.4, 16.13
-    const bool one_of_several = per_sample && job.system.samples > 1;
-    LaneFlow flow{.covered = one_of_several ? wave.samples.covered[static_cast<std::size_t>(job.system.sample)] : wave.covered,
-                  .counting = job.counting};
-    result.causes = {};
-    const FragmentContext<Real, Varyings> context(varyings, position, job.system, wave, job.environment, flow, result.causes,
-                                                  job.tally);
-    const auto output = (*static_cast<const PixelFunctor*>(functor))(context);
-    const auto& colors = as_array(output);
-    for (std::size_t i = 0; i < colors.size(); ++i) result.colors[i] = colors[i];
-    if constexpr (requires { output.depth; }) result.depth = output.depth;
-    if constexpr (requires { output.coverage; }) result.coverage = output.coverage;
-    result.killed = flow.killed;
-    if constexpr (!requires { PixelFunctor::discards; })
-        if (flow.killed != 0) fail("a pixel functor discards without saying 'static constexpr bool discards = true'");
-}
-
 template <class VertexFunctor, class PixelFunctor>
 constexpr PixelTraits pixel_traits() {
     PixelTraits traits;
@@ -175,6 +100,96 @@ constexpr PixelTraits pixel_traits() {
         traits.per_sample = traits.per_sample || any_interpolation<Varyings, Float>(is_at_sample);
     }
     return traits;
+}
+
+/// Varyings and w as renderers with planes of their own have them.
+template <class Varyings, class Real>
+[[gnu::noinline]] Varyings peer_varyings(const PixelJob<Real>& job, Real& w) {
+    const PixelLanes centre{Int(kSubpixels / 2), Int(kSubpixels / 2)};
+    PeerPositions positions{centre, centre, centre};
+    if (job.system.samples > 1) positions.centroid = centroid_position(*job.wave, job.pattern, job.system.sample_mask);
+    if (job.system.sample >= 0) {
+        const SamplePosition& at = job.pattern.at[static_cast<std::size_t>(job.system.sample)];
+        positions.sample = {Int(at.x * kSampleGrid), Int(at.y * kSampleGrid)};
+    }
+    const auto interpolate = [&](std::span<const Interpolation> modes, Real* values) {
+        interpolate_as_peer(*job.primitive->peer_planes, modes, job.wave->pixels, positions, job.primitive->flat, values, w);
+    };
+    if constexpr (std::is_empty_v<Varyings>) {
+        interpolate({}, nullptr);
+        return {};
+    } else {
+        static constexpr auto kModes = interpolations<Varyings, Real>();
+        std::array<Real, kModes.size()> values;
+        interpolate(kModes, values.data());
+        return std::bit_cast<Varyings>(values);
+    }
+}
+
+/// Where a run evaluates: the centre, and what the modes of the varyings ask for besides. Centre and centroid are those of the
+/// pixel in runs per sample too. D3D11.3 3.5.4.1.1
+template <class Varyings, bool kPerSample, class Real>
+GNOMON_INLINE Varyings interpolate_job(const PixelJob<Real>& job, Real& w) {
+    constexpr bool kCentroid = any_interpolation<Varyings, Real>(is_centroid);
+    const auto& primitive = *job.primitive;
+    const Wave& wave = *job.wave;
+    const std::int32_t x0 = primitive.x0;
+    const std::int32_t y0 = primitive.y0;
+    const EvaluationPoint<Real> centre = evaluation_point(primitive, centre_offset<Real>(wave.pixels, x0, y0));
+    w = centre.perspective.w;
+    if constexpr (!kCentroid && !kPerSample) {
+        return interpolate_varyings<Varyings>(primitive, centre, centre, centre);
+    } else {
+        EvaluationPoint<Real> centroid = centre;
+        EvaluationPoint<Real> sample = centre;
+        if (kCentroid && job.system.samples > 1) {
+            const PixelLanes on = centroid_position(wave, job.pattern, job.system.sample_mask);
+            centroid = evaluation_point(primitive, pixel_offset<Real>(wave.pixels, on.x, on.y, x0, y0));
+        }
+        if constexpr (kPerSample) {
+            const SamplePosition& at = job.pattern.at[static_cast<std::size_t>(job.system.sample)];
+            sample = evaluation_point(primitive, sample_offset<Real>(wave.pixels, at, x0, y0));
+            w = sample.perspective.w;
+        }
+        return interpolate_varyings<Varyings>(primitive, centre, centroid, sample);
+    }
+}
+
+template <class Real, class VertexFunctor, class PixelFunctor>
+void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real>& result) {
+    using Varyings = typename VertexFunctor::template Varyings<Real>;
+    constexpr bool kPerSample = pixel_traits<VertexFunctor, PixelFunctor>().per_sample;
+    const Wave& wave = *job.wave;
+    Real w;  // at the sample, or at the centre where the functor runs for the whole pixel
+    Varyings varyings;
+    if (job.primitive->peer_planes == nullptr) [[likely]] {
+        varyings = interpolate_job<Varyings, kPerSample>(job, w);
+    } else {
+        Real peer_w;
+        varyings = peer_varyings<Varyings>(job, peer_w);
+        w = peer_w;
+    }
+    const SamplePosition at = kPerSample ? job.pattern.at[static_cast<std::size_t>(job.system.sample)] : SamplePosition{};
+    const Vec4<Real> position{
+        Real(wave.pixels.x) + Real(static_cast<float>(at.x) / kSampleGrid),
+        Real(wave.pixels.y) + Real(static_cast<float>(at.y) / kSampleGrid),
+        fragment_depth<Real>(*job.primitive, wave.pixels, job.depth_at, job.environment.profile->plane_equations), w};
+
+    // The functor. In a run for one sample the lanes without it are helpers. D3D11.3 3.5.4, 16.13
+    const bool one_of_several = kPerSample && job.system.samples > 1;
+    LaneFlow flow{.covered = one_of_several ? wave.samples.covered[static_cast<std::size_t>(job.system.sample)] : wave.covered,
+                  .counting = job.counting};
+    result.causes = {};
+    const FragmentContext<Real, Varyings> context(varyings, position, job.system, wave, job.environment, flow, result.causes,
+                                                  job.tally);
+    const auto output = (*static_cast<const PixelFunctor*>(functor))(context);
+    const auto& colors = as_array(output);
+    for (std::size_t i = 0; i < colors.size(); ++i) result.colors[i] = colors[i];
+    if constexpr (requires { output.depth; }) result.depth = output.depth;
+    if constexpr (requires { output.coverage; }) result.coverage = output.coverage;
+    result.killed = flow.killed;
+    if constexpr (!requires { PixelFunctor::discards; })
+        if (flow.killed != 0) fail("a pixel functor discards without saying 'static constexpr bool discards = true'");
 }
 
 }  // namespace gnomon
