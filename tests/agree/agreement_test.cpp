@@ -1,10 +1,10 @@
 // Gnomon's texture unit against drivers written by others: profiles `llvmpipe` and `swiftshader` bit for bit, profile `d3d11`
 // within what its 8-bit weights explain. With no device the exit code 4 says so to CTest.
-#define CATCH_CONFIG_RUNNER
 #include "tests/agree/adapter.h"
 #include "tests/agree/generated_texture.h"
 #include "tests/agree/names.h"
 #include "tests/oracle/random.h"
+#include "tests/peer/device_tests.h"
 #include "texunit/sample.h"
 
 #include <fmt/format.h>
@@ -38,15 +38,6 @@ constexpr Kind kKinds[] = {
     {"compare trilinear", Filter::Linear, Mip::Linear, true},
     {"anisotropic", Filter::Linear, Mip::Linear, false, 16},
 };
-
-const std::vector<peer::PeerDevice>& usable_devices() {
-    static const std::vector<peer::PeerDevice> devices = [] {
-        std::vector<peer::PeerDevice> list = peer::list_devices();
-        std::erase_if(list, [](const peer::PeerDevice& device) { return !device.unusable.empty(); });
-        return list;
-    }();
-    return devices;
-}
 
 /// The preset that claims to be this driver; empty for others.
 std::string preset_of(const peer::PeerDevice& device) {
@@ -189,8 +180,8 @@ constexpr TexelFormat kFormats[] = {TexelFormat::Rg32f, TexelFormat::Rg16f,     
 
 bool applies(TexelFormat format, const Kind& kind) { return kind.compares == (format == TexelFormat::D32f); }
 
-TEST_CASE("the profile of a driver returns the driver's bits", "[agree]") {
-    for (const peer::PeerDevice& device : usable_devices()) {
+TEST_CASE("the profile of a driver returns the driver's bits", "[agree][device]") {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         if (preset_of(device).empty()) {
             fmt::print("  {}: no profile claims to be this driver; a measured one is owed\n", device.name);
             continue;
@@ -257,8 +248,8 @@ double explained(const Setting& setting, const Point& point, std::string_view dr
     return bound;
 }
 
-TEST_CASE("profile d3d11 differs from the drivers by what 8-bit weights explain", "[agree]") {
-    for (const peer::PeerDevice& device : usable_devices()) {
+TEST_CASE("profile d3d11 differs from the drivers by what 8-bit weights explain", "[agree][device]") {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         const std::string driver = preset_of(device);
         if (driver.empty()) continue;
         SamplingPeer machine(device);
@@ -306,10 +297,10 @@ TEST_CASE("profile d3d11 differs from the drivers by what 8-bit weights explain"
 
 /// Coordinates, gradients and levels that no scene should have. Where the bits differ, the drivers read texels that integer
 /// overflow and NaN led them to, or let a level of weight 0 leak its NaN; nearly all must still agree.
-TEST_CASE("hostile coordinates on the drivers", "[agree]") {
+TEST_CASE("hostile coordinates on the drivers", "[agree][device]") {
     const float inf = std::numeric_limits<float>::infinity();
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    for (const peer::PeerDevice& device : usable_devices()) {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         if (preset_of(device).empty()) continue;
         SamplingPeer machine(device);
         Profile profile = load_profile(preset_of(device));
@@ -340,8 +331,8 @@ TEST_CASE("hostile coordinates on the drivers", "[agree]") {
     }
 }
 
-TEST_CASE("gather on the drivers", "[agree]") {
-    for (const peer::PeerDevice& device : usable_devices()) {
+TEST_CASE("gather on the drivers", "[agree][device]") {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         if (preset_of(device).empty()) continue;
         SamplingPeer machine(device);
         const Profile profile = load_profile(preset_of(device));
@@ -379,12 +370,3 @@ TEST_CASE("gather on the drivers", "[agree]") {
 
 }  // namespace
 }  // namespace gnomon::agree
-
-int main(int argc, char** argv) {
-    gnomon::peer::expose_drivers();
-    if (gnomon::agree::usable_devices().empty()) {
-        std::fputs("agreement: SKIPPED, no usable Vulkan driver is installed\n", stderr);
-        return 4;
-    }
-    return Catch::Session().run(argc, argv);
-}

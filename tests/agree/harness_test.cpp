@@ -1,10 +1,10 @@
 // The sampling harness on every usable Vulkan device here: what no driver may differ in comes back as it must.
 // With no device the device tests are left out, and the exit code 4 says so to CTest.
-#define CATCH_CONFIG_RUNNER
 #include "sim/error.h"
 #include "tests/agree/generated_texture.h"
 #include "tests/agree/names.h"
 #include "tests/agree/sampling.h"
+#include "tests/peer/device_tests.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -23,18 +23,9 @@ namespace {
 constexpr TexelFormat kFormats[] = {TexelFormat::R32f,  TexelFormat::Rg32f,     TexelFormat::Rg16f,
                                     TexelFormat::Rgba8, TexelFormat::Rg16Unorm, TexelFormat::D32f};
 
-const std::vector<peer::PeerDevice>& usable_devices() {
-    static const std::vector<peer::PeerDevice> kDevices = [] {
-        std::vector<peer::PeerDevice> devices = peer::list_devices();
-        std::erase_if(devices, [](const peer::PeerDevice& device) { return !device.unusable.empty(); });
-        return devices;
-    }();
-    return kDevices;
-}
-
 // Runs a check on each device, with the validation layer where it is installed; the layer must have nothing to say.
 void on_each_device(const std::function<void(SamplingPeer&)>& check_on) {
-    for (const peer::PeerDevice& device : usable_devices()) {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         INFO("device " << device.name);
         SamplingPeer machine(device, {.validate = true});
         check_on(machine);
@@ -406,16 +397,3 @@ TEST_CASE("generated textures", "[agree]") {
 }
 
 }  // namespace gnomon::agree
-
-int main(int argc, char** argv) {
-    gnomon::peer::expose_drivers();
-    Catch::Session session;
-    if (const int error = session.applyCommandLine(argc, argv); error != 0) return error;
-    if (!gnomon::agree::usable_devices().empty()) return session.run();
-
-    // Say it where it is seen, run the rest, and let CTest count a skip.
-    fmt::print(stderr, "SKIPPED: no usable Vulkan device (install mesa-vulkan-drivers or chromium-common)\n");
-    session.configData().testsOrTags = {"~[device]"};
-    const int failed = session.run();
-    return failed != 0 ? failed : 4;
-}

@@ -1,10 +1,10 @@
 // The capture program gets back what made the samples: the fields of our own profiles, and what is known of the drivers here.
 // With no device the device tests are left out, and the exit code 4 says so to CTest.
-#define CATCH_CONFIG_RUNNER
 #include "tests/agree/capture.h"
 #include "tests/agree/fit.h"
 #include "tests/agree/made_texture.h"
 #include "tests/agree/profile_source.h"
+#include "tests/peer/device_tests.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -16,12 +16,6 @@
 
 namespace gnomon::agree {
 namespace {
-
-std::vector<peer::PeerDevice> usable_devices() {
-    std::vector<peer::PeerDevice> devices = peer::list_devices();
-    std::erase_if(devices, [](const peer::PeerDevice& device) { return !device.unusable.empty(); });
-    return devices;
-}
 
 std::map<std::string, std::string> fields_of(const Profile& profile) {
     std::map<std::string, std::string> fields;
@@ -108,7 +102,7 @@ Profile random_profile(Sequence& random) {
 }
 
 FittedProfile measured(const std::string& driver, Measurements& seen) {
-    for (const peer::PeerDevice& device : usable_devices()) {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         if (device.driver.find(driver) == std::string::npos) continue;
         SamplingPeer machine(device, {.validate = true});
         seen =
@@ -223,16 +217,3 @@ TEST_CASE("SwiftShader's parameters", "[agree][probe][device]") {
 }
 
 }  // namespace gnomon::agree
-
-int main(int argc, char** argv) {
-    gnomon::peer::expose_drivers();
-    Catch::Session session;
-    if (const int error = session.applyCommandLine(argc, argv); error != 0) return error;
-    if (!gnomon::agree::usable_devices().empty()) return session.run();
-
-    // Say it where it is seen, run the rest, and let CTest count a skip.
-    fmt::print(stderr, "SKIPPED: no usable Vulkan device (install mesa-vulkan-drivers or chromium-common)\n");
-    session.configData().testsOrTags = {"~[device]"};
-    const int failed = session.run();
-    return failed != 0 ? failed : 4;
-}

@@ -16,7 +16,7 @@ std::string_view name_of(ColorFormat format) {
 }
 
 void on_each_driver(const std::function<void(RasterPeer&, Driver)>& check_on) {
-    for (const peer::PeerDevice& device : usable_devices()) {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         const std::optional<Driver> driver = driver_of(device);
         if (!driver) continue;
         INFO("device " << device.name);

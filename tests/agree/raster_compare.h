@@ -1,9 +1,9 @@
 // What tests of rasterisers share: on which drivers, and how differences are told.
 #pragma once
 
-#include "tests/agree/device_tests.h"
 #include "tests/agree/driver_models.h"
 #include "tests/agree/raster_cases.h"
+#include "tests/peer/device_tests.h"
 #include "tests/peer/frame.h"
 
 #include <functional>

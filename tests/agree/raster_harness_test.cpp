@@ -1,7 +1,7 @@
 // The raster harness on every usable Vulkan device here: what no driver may differ in comes back as it must.
 #include "sim/error.h"
-#include "tests/agree/device_tests.h"
 #include "tests/agree/rastering.h"
+#include "tests/peer/device_tests.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ constexpr ColorFormat kColorFormats[] = {ColorFormat::Rgba8, ColorFormat::Rgba16
 
 // Runs a check on each device, with the validation layer where it is installed; the layer must have nothing to say.
 void on_each_device(const std::function<void(RasterPeer&)>& check_on) {
-    for (const peer::PeerDevice& device : usable_devices()) {
+    for (const peer::PeerDevice& device : peer::usable_devices()) {
         INFO("device " << device.name);
         RasterPeer machine(device, {.validate = true});
         check_on(machine);

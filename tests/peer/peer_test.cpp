@@ -1,8 +1,8 @@
 // The harness on every usable Vulkan device here: a plate's shadow lies where it must, for each technique.
 // With no device the device tests are left out, and the exit code 4 says so to CTest.
-#define CATCH_CONFIG_RUNNER
 #include "tests/peer/peer.h"
 #include "sim/error.h"
+#include "tests/peer/device_tests.h"
 #include "tests/peer/raw_pass.h"
 #include "tests/peer/test_scenes.h"
 
@@ -20,15 +20,6 @@
 
 namespace gnomon::peer {
 namespace {
-
-const std::vector<PeerDevice>& usable_devices() {
-    static const std::vector<PeerDevice> kDevices = [] {
-        std::vector<PeerDevice> devices = list_devices();
-        std::erase_if(devices, [](const PeerDevice& device) { return !device.unusable.empty(); });
-        return devices;
-    }();
-    return kDevices;
-}
 
 // Runs a check on each device, with the validation layer where it is installed; the layer must have nothing to say.
 void on_each_device(const std::function<void(const Peer&)>& check_on) {
@@ -336,16 +327,3 @@ TEST_CASE("driver manifests exist", "[peer]") {
 }
 
 }  // namespace gnomon::peer
-
-int main(int argc, char** argv) {
-    gnomon::peer::expose_drivers();
-    Catch::Session session;
-    if (const int error = session.applyCommandLine(argc, argv); error != 0) return error;
-    if (!gnomon::peer::usable_devices().empty()) return session.run();
-
-    // Say it where it is seen, run the rest, and let CTest count a skip.
-    fmt::print(stderr, "SKIPPED: no usable Vulkan device (install mesa-vulkan-drivers or chromium-common)\n");
-    session.configData().testsOrTags = {"~[device]"};
-    const int failed = session.run();
-    return failed != 0 ? failed : 4;
-}
