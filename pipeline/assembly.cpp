@@ -1,5 +1,7 @@
 #include "pipeline/assembly.h"
 
+#include "sim/lanes.h"
+
 #include <bit>
 #include <vector>
 
@@ -67,25 +69,34 @@ void assemble(Topology topology, bool last, std::uint32_t run, std::uint32_t k, 
 VertexRange VertexNumbers::range(std::uint32_t begin, std::uint32_t end, bool restarts) const {
     if (begin >= end) return {};
     if (!indexed()) return {first_ + begin, first_ + end - 1};
-    return read([&](const auto& number) {
-        // Where there are restarts, one more than the number: that is 0 for the one that restarts, which is no highest one.
-        const std::uint32_t more = restarts ? 1 : 0;
-        const std::uint32_t width = restart();
-        std::array<std::uint32_t, kTogether> lowest;
-        std::array<std::uint32_t, kTogether> highest{};
-        lowest.fill(~0u);
-        const auto take = [&](std::uint32_t first, std::size_t j) {
-            const std::uint32_t value = number(first);
-            lowest[j] = std::min(lowest[j], value);
-            highest[j] = std::max(highest[j], (value + more) & width);
-        };
-        std::uint32_t i = begin;
-        for (; end - i >= kTogether; i += kTogether)
-            for (std::uint32_t j = 0; j < kTogether; ++j) take(i + j, j);
-        for (; i < end; ++i) take(i, 0);
-        const std::uint32_t top = *std::ranges::max_element(highest);
-        return top < more ? VertexRange{} : VertexRange{*std::ranges::min_element(lowest), top - more};
+
+    // Where there are restarts, one more than the number: that is 0 for the one that restarts, which is no highest one.
+    const std::uint32_t more = restarts ? 1 : 0;
+    const std::uint32_t width = restart();
+    std::uint32_t lowest = ~0u;
+    std::uint32_t highest = 0;
+    std::uint32_t i = begin;
+    if (type_ == IndexType::Uint32) {
+        const hn::RebindToUnsigned<detail::IntTag> tag;
+        auto least = hn::Set(tag, ~0u);
+        auto most = hn::Zero(tag);
+        const auto* from = reinterpret_cast<const std::uint32_t*>(data_ + std::size_t{first_} * 4);
+        for (; end - i >= kLanes; i += kLanes) {
+            const auto values = hn::LoadU(tag, from + i);
+            least = hn::Min(least, values);
+            most = hn::Max(most, hn::Add(values, hn::Set(tag, more)));
+        }
+        lowest = hn::GetLane(hn::MinOfLanes(tag, least));
+        highest = hn::GetLane(hn::MaxOfLanes(tag, most));
+    }
+    read([&](const auto& number) {
+        for (; i < end; ++i) {
+            const std::uint32_t value = number(i);
+            lowest = std::min(lowest, value);
+            highest = std::max(highest, (value + more) & width);
+        }
     });
+    return highest < more ? VertexRange{} : VertexRange{lowest, highest - more};
 }
 
 std::uint32_t VertexNumbers::next_restart(std::uint32_t begin, std::uint32_t end) const {

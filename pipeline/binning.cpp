@@ -343,7 +343,7 @@ void collect_bins(int tiles, BinnedPrimitives<Scalar>& out, std::size_t chunks) 
 template <class Scalar>
 void project_vertices(const VertexBlock<Scalar>& vertices, const SetupState& state, Workers& workers, bool flush_denormals,
                       ProjectedVertices<Scalar>& out) {
-    constexpr std::size_t kPiece = 4096;
+    constexpr std::size_t kPiece = 1024;
     const auto stride = static_cast<std::size_t>(vertices.stride);
     const std::size_t count = vertices.scalars.size() / stride;
     out.screen.resize(count);
