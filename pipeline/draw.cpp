@@ -10,8 +10,9 @@ namespace gnomon {
 
 namespace {
 
-// One batch of a draw is set up and drawn before the next, so that memory stays bounded however much is drawn.
-constexpr std::uint32_t kBatchPrimitives = 1u << 14;  // and its pieces stay in the second-level cache
+// One batch of a draw is set up and drawn before the next, so that memory stays bounded however much is drawn: small enough for
+// the caches, large enough for threads not to wait for each other all the time.
+constexpr std::uint32_t kBatchPrimitives = 1u << 15;
 constexpr std::uint32_t kBatchVertices = 1u << 18;
 
 template <class Real>

@@ -152,10 +152,10 @@ TEST_CASE("what draws hold on to does not grow with triangles, resolution or sam
     INFO(few << " bytes for 10k triangles, " << full << " for 70k, " << many << " for 400k");
     CHECK(few > 10'000 * sizeof(Primitive<float>));
     // Vertices are held for one window of primitives: at most 2^18, 6 floats and where they lie on the screen. Pieces are held
-    // for one batch of 2^14. Both vectors may have grown to twice what they hold.
+    // for one batch of 2^15. Both vectors may have grown to twice what they hold.
     const std::size_t per_vertex = 6 * sizeof(float) + sizeof(ScreenVertex<float>) + sizeof(std::uint32_t);
     const std::size_t per_piece = sizeof(Primitive<float>) + 4 * sizeof(std::uint64_t);
-    const std::size_t bound = 2 * ((1u << 18u) * per_vertex + (1u << 14u) * per_piece);
+    const std::size_t bound = 2 * ((1u << 18u) * per_vertex + (1u << 15u) * per_piece);
     CHECK(full < bound);
     CHECK(many < bound);
     CHECK(many < few * 4);
@@ -200,14 +200,14 @@ TEST_CASE("indices, restarts and clipping hold on to no more for a long draw tha
     };
     for (const FillMode fill : {FillMode::Solid, FillMode::Wireframe}) {
         // Both end with a whole batch.
-        const auto [some, drawn] = scratch(1u << 14u, fill);
-        const auto [many, drawn_of_many] = scratch(40u << 14u, fill);
-        INFO(some << " bytes for one batch, " << many << " for forty");
+        const auto [some, drawn] = scratch(1u << 15u, fill);
+        const auto [many, drawn_of_many] = scratch(20u << 15u, fill);
+        INFO(some << " bytes for one batch, " << many << " for twenty");
         // What clipping made is part of it: three vertices or more, of six floats.
-        CHECK(drawn > 1u << 13u);
+        CHECK(drawn > 1u << 14u);
         CHECK(drawn_of_many > drawn);
         CHECK(some > drawn * (sizeof(Primitive<float>) + 3 * 6 * sizeof(float)));
         // Vectors may have grown for a batch with more to keep; 8 bytes per primitive would be 5 MB.
-        CHECK(many < some + some / 2);
+        CHECK(many < some + some / 4);
     }
 }
