@@ -46,7 +46,8 @@ struct TexelPlace {
     int sample = 0;
 };
 
-template <class RealType, class VaryingsType>
+/// `kDiscards`: the functor says that it does.
+template <class RealType, class VaryingsType, bool kDiscards>
 class FragmentContext {
 public:
     using Real = RealType;
@@ -84,7 +85,10 @@ public:
 
     /// The lanes in `mask` write nothing; they go on as helpers. The functor says `static constexpr bool discards = true`.
     /// D3D11.3 22.5.1
-    void discard(Mask mask) const { flow_.killed |= mask.bits() & flow_.branch; }
+    void discard(Mask mask) const {
+        static_assert(kDiscards, "a pixel functor that discards says 'static constexpr bool discards = true'");
+        flow_.killed |= mask.bits() & flow_.branch;
+    }
     /// Runs `body` for the lanes in `mask`, if there are any: what `if` is in a shading language. Lanes outside compute along,
     /// so the body keeps what it wants with select().
     template <class Body>
