@@ -51,7 +51,9 @@ void fill(Texture& texture, const TargetView& view, const typename AnyCodec::Wor
 }  // namespace
 
 Device::Device(Profile profile, int threads)
-    : profile_(std::move(profile)), workers_(threads), scratch_(std::make_unique<DrawScratch>()) {}
+    : profile_(std::move(profile)), workers_(threads), scratch_(std::make_unique<DrawScratch>()) {
+    check_profile(profile_, fmt::format("profile '{}'", profile_.name));
+}
 Device::~Device() = default;
 
 void Device::execute(const Command& command) {

@@ -19,7 +19,8 @@ struct DrawScratch;  // draw.h
 
 class Device {
 public:
-    /// `threads` = 0: as many as there are processors. The results do not depend on it.
+    /// `threads` = 0: as many as there are processors; up to kMaxThreads. The results do not depend on it. Throws Error for a
+    /// profile or a number of threads that is out of range.
     explicit Device(Profile profile, int threads = 0);
     ~Device();
     Device(const Device&) = delete;
