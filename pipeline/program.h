@@ -19,8 +19,8 @@
 namespace gnomon {
 
 /// The value of one constant, for those who look from outside: recorders and debuggers.
-using ConstantValue =
-    std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, glm::mat4, std::vector<float>, TextureId, Sampler, BufferId>;
+using ConstantValue = std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, glm::mat4, std::vector<float>, TextureId,
+                                   TextureLevels, MultisampledTexture, Sampler, BufferId>;
 
 struct NamedConstant {
     std::string name;  // members of nested structs as "outer.inner"
