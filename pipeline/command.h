@@ -17,6 +17,26 @@ namespace gnomon {
 enum class BufferId : std::uint32_t { None = 0 };
 enum class TextureId : std::uint32_t { None = 0 };
 
+/// How a pixel functor names what it reads, as data members. A TextureId is a texture with one sample per texel and all of its
+/// levels, this is some of its levels: the draw may write the others. A TextureId stands for it wherever a functor takes one.
+/// D3D11.3 5.2
+struct TextureLevels {
+    TextureId texture = TextureId::None;
+    int first_level = 0;  // what the functor sees as level 0
+    int levels = 0;       // 0: all from there on
+
+    constexpr TextureLevels() = default;
+    constexpr TextureLevels(TextureId id, int first = 0, int count = 0) : texture(id), first_level(first), levels(count) {}
+    bool operator==(const TextureLevels&) const = default;
+};
+
+/// A texture with any number of samples per texel, one too: it can only be loaded from, sample by sample. D3D11.3 22.4.7
+struct MultisampledTexture {
+    TextureId texture = TextureId::None;
+
+    bool operator==(const MultisampledTexture&) const = default;
+};
+
 inline constexpr std::uint32_t kMaxGroups = 65535;           // per dimension of a dispatch. D3D11.3 18.6.2
 inline constexpr std::size_t kMaxBufferBytes = 1ull << 31u;  // word indices fit 31 bits with room to spare
 

@@ -82,16 +82,18 @@ public:
 
     const glm::ivec3 id;  // of the group in the grid of groups. D3D11.3 23.12
 
-    /// Zeroed group-shared memory. Ask for it outside blocks, in the same order in every group. Throws Error past
-    /// kMaxSharedWords.
+    /// Zeroed group-shared memory. Ask for it outside blocks, in the same order in every group. Throws Error inside one, and
+    /// past kMaxSharedWords.
     template <class Lane>
     SharedArray<Lane> shared(int count) {
+        if (in_block_) refuse_in_block("shared memory asked for");
         return memory_.allocate<Lane>(count, dispatch_.dispatch.program->name);
     }
     SharedArray<Int> shared_int(int count) { return shared<Int>(count); }
     SharedArray<Real> shared_real(int count) { return shared<Real>(count); }
 
-    /// Runs body(t) for all threads of the group, a wave at a time; then all have arrived. D3D11.3 18.6.7
+    /// Runs body(t) for all threads of the group, a wave at a time; then all have arrived. Not inside another block, for a
+    /// barrier in flow control that varies between threads is none: that throws Error. D3D11.3 18.6.7
     template <class Body>
     void threads(const Body& body) {
         threads(kSize.threads(), body);
@@ -102,6 +104,8 @@ public:
         const auto& at = kThreadPositions<kSize>;
         const glm::ivec3 origin{id.x * kSize.x, id.y * kSize.y, id.z * kSize.z};
         const int last = std::min(count, kSize.threads());
+        if (in_block_) refuse_in_block("threads");
+        in_block_ = true;
         if constexpr (kWatched)
             if (observers_->races != nullptr) observers_->races->begin_block();
         for (int first = 0; first < last; first += kLanes) {
@@ -110,12 +114,19 @@ public:
                                   Int::load(at.z.data() + first)};
             body(ThreadContext<Real, kWatched>(dispatch_, local, origin, index, index < Int(last), observers_));
         }
+        in_block_ = false;
     }
 
 private:
+    [[noreturn, gnu::cold, gnu::noinline]] void refuse_in_block(std::string_view what) const {
+        fail("dispatch '{}': {} inside a block of threads, which not all threads of the group reach together",
+             dispatch_.dispatch.label, what);
+    }
+
     const DispatchContext& dispatch_;
     GroupMemory& memory_;
     const GroupObservers* observers_;
+    bool in_block_ = false;
 };
 
 template <class Real, bool kWatched, class Functor>

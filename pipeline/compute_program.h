@@ -118,9 +118,16 @@ void append_binding(std::vector<ComputeBinding>& bindings, const std::string& na
                         .is_uint = kAccess == ImageAccess::ReadUint || kAccess == ImageAccess::RwUint});
 }
 
+template <HasFields Struct>
+void append_binding(std::vector<ComputeBinding>& bindings, const std::string& name, const Struct& nested) {
+    for_each_field(nested, [&](std::string_view inner, const auto& value) {
+        append_binding(bindings, fmt::format("{}.{}", name, inner), value);
+    });
+}
+
 }  // namespace detail
 
-/// Every resource that a functor names. Resources are members of the functor itself, not of structs inside it.
+/// Every resource that a functor names, those of structs inside it as "outer.inner".
 template <class Functor>
 std::vector<ComputeBinding> compute_bindings(std::span<const std::byte> bytes) {
     std::vector<ComputeBinding> bindings;

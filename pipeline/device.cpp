@@ -21,6 +21,21 @@ std::uint64_t texels(const Texture& texture, int level) {
     return static_cast<std::uint64_t>(texture.width(level)) * static_cast<std::uint64_t>(texture.height(level));
 }
 
+/// Throws Error for a texel that is no depth of the format, whose codes are 32-bit words here; of binary32 those from 0 to 1.
+void check_depth_codes(const Texture& texture, const WriteTexture& command) {
+    std::uint32_t largest = 0x3f800000u;
+    if (texture.info().type == ComponentType::Depth16) largest = 0xffffu;
+    if (texture.info().type == ComponentType::Depth24) largest = 0xffffffu;
+    const auto width = static_cast<std::size_t>(texture.width(command.level));
+    for (std::size_t i = 0; i < command.data.size() / sizeof(std::uint32_t); ++i) {
+        std::uint32_t code = 0;
+        std::memcpy(&code, command.data.data() + i * sizeof(code), sizeof(code));
+        if (code > largest)
+            fail("texture {}: texel ({}, {}) written with the code {:#x}, which is no depth of {}: expected 0 to {:#x}",
+                 number(command.id), i % width, i / width, code, texture.info().name, largest);
+    }
+}
+
 /// Calls row(y) with pieces of [0, height) in parallel.
 template <class Rows>
 void for_row_pieces(int height, Workers& workers, const Rows& rows) {
@@ -51,7 +66,9 @@ void fill(Texture& texture, const TargetView& view, const typename AnyCodec::Wor
 }  // namespace
 
 Device::Device(Profile profile, int threads)
-    : profile_(std::move(profile)), workers_(threads), scratch_(std::make_unique<DrawScratch>()) {}
+    : profile_(std::move(profile)), workers_(threads), scratch_(std::make_unique<DrawScratch>()) {
+    check_profile(profile_, fmt::format("profile '{}'", profile_.name));
+}
 Device::~Device() = default;
 
 void Device::execute(const Command& command) {
@@ -117,6 +134,7 @@ void Device::run(const WriteTexture& command) {
     check("level", command.level, texture.desc().levels);
     check("layer", command.layer, texture.desc().layers);
     check("sample", command.sample, texture.desc().samples);
+    if (texture.info().is_depth) check_depth_codes(texture, command);
     texture.set_level_bytes(command.level, command.data.data(), command.data.size(), command.layer, command.sample);
 }
 
@@ -169,7 +187,9 @@ void Device::count_fill(const TargetView& view, const Texture& texture, std::uin
 }
 
 void Device::run(const GenerateMips& command) {
-    Texture& texture = resources_.texture(command.id);
+    Texture& texture = resources_.texture(command.id, "mips");
+    if (texture.info().is_depth || texture.info().is_integer())
+        fail("mips: texture {} holds {}, which is not filtered", number(command.id), texture.info().name);
     generate_mips(texture, profile_, workers_);
     if (!counting_) return;
     const auto bytes = texel_bytes(texture.info()) * static_cast<std::uint64_t>(texture.desc().layers);

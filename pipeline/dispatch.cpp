@@ -16,6 +16,8 @@ void check_image(const Dispatch& dispatch, const ComputeBinding& binding, const 
     if (binding.level < 0 || binding.level >= desc.levels || binding.layer < 0 || binding.layer >= desc.layers)
         fail("dispatch '{}': {} is level {} of layer {}, but the texture has {} and {}", dispatch.label, binding.name,
              binding.level, binding.layer, desc.levels, desc.layers);
+    if (desc.samples != 1)
+        fail("dispatch '{}': {} has {} samples per texel, expected one", dispatch.label, binding.name, desc.samples);
     const FormatInfo& format = texture.info();
     if (binding.is_uint != format.is_integer())
         fail("dispatch '{}': {} has the format {}, expected one of {}", dispatch.label, binding.name, format.name,
@@ -57,10 +59,11 @@ void Device::run(const Dispatch& dispatch) {
     const std::vector<ComputeBinding> bindings = program.bindings(dispatch.constants);
     for (std::size_t i = 0; i < bindings.size(); ++i) {
         const ComputeBinding& binding = bindings[i];
+        const std::string what = fmt::format("dispatch '{}': {}", dispatch.label, binding.name);
         if (binding.is_image) {
-            check_image(dispatch, binding, texture(binding.texture));
+            check_image(dispatch, binding, resources_.texture(binding.texture, what));
         } else {
-            (void)buffer(binding.buffer);
+            (void)resources_.buffer(binding.buffer, what);
         }
         for (std::size_t j = 0; j < i; ++j)
             if ((binding.is_written || bindings[j].is_written) && same_resource(binding, bindings[j]))

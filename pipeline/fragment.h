@@ -26,7 +26,16 @@ struct PixelEnvironment {
     TextureTable textures;
     const Profile* profile = nullptr;
     bool reports_derivatives = false;
+    const Draw* draw = nullptr;  // whose it is: for messages
 };
+
+/// What only the functor's call shows to be impossible; device.h lists it. Out of line, for it does not happen. validate.cpp
+[[noreturn]] void refuse_missing(const PixelEnvironment& environment, TextureId id);
+[[noreturn]] void refuse_cube(const PixelEnvironment& environment, TextureId id);
+[[noreturn]] void refuse_filter(const PixelEnvironment& environment, TextureId id);
+[[noreturn]] void refuse_comparison(const PixelEnvironment& environment, TextureId id);
+[[noreturn]] void refuse_offset(const PixelEnvironment& environment, TextureId id, const glm::ivec2& offset);
+[[noreturn]] void refuse_component(const PixelEnvironment& environment, TextureId id, int component);
 
 /// The system values of one run. D3D11.3 chapter 23
 struct PixelSystemValues {
@@ -43,10 +52,10 @@ struct PixelSystemValues {
 struct TexelPlace {
     int level = 0;
     int layer = 0;
-    int sample = 0;
 };
 
-template <class RealType, class VaryingsType>
+/// `kDiscards`: the functor says that it does.
+template <class RealType, class VaryingsType, bool kDiscards>
 class FragmentContext {
 public:
     using Real = RealType;
@@ -84,7 +93,10 @@ public:
 
     /// The lanes in `mask` write nothing; they go on as helpers. The functor says `static constexpr bool discards = true`.
     /// D3D11.3 22.5.1
-    void discard(Mask mask) const { flow_.killed |= mask.bits() & flow_.branch; }
+    void discard(Mask mask) const {
+        static_assert(kDiscards, "a pixel functor that discards says 'static constexpr bool discards = true'");
+        flow_.killed |= mask.bits() & flow_.branch;
+    }
     /// Runs `body` for the lanes in `mask`, helpers too, if there are any: what `if` is in a shading language. Lanes outside
     /// compute along, so the body keeps what it wants with select().
     template <class Body>
@@ -95,59 +107,70 @@ public:
         flow_.branch = outer;
     }
 
-    /// Texture sampling with the level of detail of the quad's derivatives. D3D11.3 22.4.15
-    Vec4<Real> sample(TextureId id, const Sampler& sampler, const Vec2<Real>& uv,
+    /// Texture sampling with the level of detail of the quad's derivatives. Of an array, slice 0. D3D11.3 22.4.15
+    Vec4<Real> sample(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv,
                       const SampleOperands<Real>& operands = {}) const {
-        const Texture& texture = sampled(id);
-        const LevelOfDetail<Real> lod = needs_lod(sampler) ? quad_lod(texture, sampler, uv) : LevelOfDetail<Real>(Real(0.0f));
-        return count_and_sample(id, texture, sampler, uv, lod, operands);
+        const TextureView view = filtered(id, sampler, operands.offset);
+        const LevelOfDetail<Real> lod = needs_lod(sampler) ? quad_lod(view, sampler, uv) : LevelOfDetail<Real>(Real(0.0f));
+        return count_and_sample(id, view, sampler, uv, lod, operands);
     }
     /// With the shader's own derivatives. D3D11.3 22.4.17
-    Vec4<Real> sample_gradient(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Gradients<Real>& gradients,
-                               const SampleOperands<Real>& operands = {}) const {
-        const Texture& texture = sampled(id);
-        return count_and_sample(id, texture, sampler, uv, level_of_detail(gradients, texture, sampler, profile()), operands);
+    Vec4<Real> sample_gradient(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv,
+                               const Gradients<Real>& gradients, const SampleOperands<Real>& operands = {}) const {
+        const TextureView view = filtered(id, sampler, operands.offset);
+        return count_and_sample(id, view, sampler, uv, level_of_detail(gradients, view, sampler, profile()), operands);
     }
     /// With the shader's own level of detail. D3D11.3 22.4.18
-    Vec4<Real> sample_level(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& lod,
+    Vec4<Real> sample_level(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& lod,
                             const SampleOperands<Real>& operands = {}) const {
-        return count_and_sample(id, sampled(id), sampler, uv, LevelOfDetail<Real>(lod), operands);
+        const TextureView view = filtered(id, sampler, operands.offset);
+        return count_and_sample(id, view, sampler, uv, LevelOfDetail<Real>(lod), operands);
     }
     /// Comparison at level 0. D3D11.3 22.4.20
-    Real sample_compare(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference) const {
-        const Texture& texture = sampled(id);
+    Real sample_compare(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference) const {
+        const TextureView view = filtered(id, sampler, {0, 0});
+        if (view.texture().info().is_integer()) [[unlikely]]
+            refuse_comparison(environment_, id.texture);
         const LevelOfDetail<Real> top(Real(0.0f));
-        count_sample(id, texture, sampler, uv, top, {});
-        return gnomon::sample_compare(TextureView(texture), sampler, profile(), uv, reference, top);
+        count_sample(id, view, sampler, uv, top, {});
+        return gnomon::sample_compare(view, sampler, profile(), uv, reference, top);
     }
-    /// Four texels of one component, unfiltered. D3D11.3 22.4.2
-    Vec4<Real> gather(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, int component = 0,
+    /// Four texels of one component (0 to 3), unfiltered. D3D11.3 22.4.2
+    Vec4<Real> gather(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, int component = 0,
                       const glm::ivec2& offset = {0, 0}) const {
-        const Texture& texture = sampled(id);
-        count_texels(id, texture, 4);
-        return gnomon::gather(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, component, offset);
+        const TextureView view = sampled(id, offset);
+        if (component < 0 || component > 3) [[unlikely]]
+            refuse_component(environment_, id.texture, component);
+        count_texels(id.texture, view.texture(), 4);
+        return gnomon::gather(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, component, offset);
     }
     /// Four comparisons. D3D11.3 22.4.3
-    Vec4<Real> gather_compare(TextureId id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference,
+    Vec4<Real> gather_compare(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference,
                               const glm::ivec2& offset = {0, 0}) const {
-        const Texture& texture = sampled(id);
-        count_texels(id, texture, 4);
-        return gnomon::gather_compare(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, reference,
-                                      offset);
+        const TextureView view = sampled(id, offset);
+        if (view.texture().info().is_integer()) [[unlikely]]
+            refuse_comparison(environment_, id.texture);
+        count_texels(id.texture, view.texture(), 4);
+        return gnomon::gather_compare(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, reference, offset);
     }
-    /// One texel or sample, unfiltered. D3D11.3 22.4.6 (ld), 22.4.7 (ld2dms)
-    Vec4<Real> load(TextureId id, Int x, Int y, const TexelPlace& place = {}) const {
-        const Texture& texture = this->texture(id);
-        const TextureDesc& desc = texture.desc();
-        const bool inside = place.level >= 0 && place.level < desc.levels && place.layer >= 0 && place.layer < desc.layers &&
-                            place.sample >= 0 && place.sample < desc.samples;
-        count_texels(id, texture, 1);
-        if (inside) return load_texel<Real>(texture, x, y, place.level, place.layer * desc.samples + place.sample);
-        return load_texel<Real>(texture, Int(-1), Int(-1), 0);
+    /// One texel, unfiltered. D3D11.3 22.4.6 (ld)
+    Vec4<Real> load(const TextureLevels& id, Int x, Int y, const TexelPlace& place = {}) const {
+        const bool inside = place.level >= 0 && (id.levels == 0 || place.level < id.levels);
+        return load_plane(id.texture, x, y, {inside ? id.first_level + place.level : -1, place.layer}, 0);
     }
-    /// Width and height of level 0, texels.
-    [[nodiscard]] glm::ivec2 size(TextureId id) const { return {texture(id).width(0), texture(id).height(0)}; }
-    [[nodiscard]] int samples(TextureId id) const { return texture(id).desc().samples; }
+    /// One sample of a texel, unfiltered; out of range reads as 0. D3D11.3 22.4.7 (ld2dms)
+    Vec4<Real> load(const MultisampledTexture& id, Int x, Int y, int sample, int layer = 0) const {
+        return load_plane(id.texture, x, y, {0, layer}, sample);
+    }
+    /// Width and height of the finest level, texels.
+    [[nodiscard]] glm::ivec2 size(const TextureLevels& id) const {
+        const TextureView view = this->view(id);
+        return {view.width(), view.height()};
+    }
+    [[nodiscard]] glm::ivec2 size(const MultisampledTexture& id) const {
+        return {texture(id.texture).width(0), texture(id.texture).height(0)};
+    }
+    [[nodiscard]] int samples(const MultisampledTexture& id) const { return texture(id.texture).desc().samples; }
 
     /// As the profile has them where the shader does not say which. D3D11.3 22.5.2 (coarse), 22.5.4 (fine)
     Real ddx(const Real& x) const { return profile().plain_derivative == PlainDerivative::Fine ? ddx_fine(x) : ddx_coarse(x); }
@@ -171,40 +194,66 @@ public:
 private:
     [[nodiscard]] const Profile& profile() const { return *environment_.profile; }
     [[nodiscard]] const Texture& texture(TextureId id) const {
-        return *environment_.textures[static_cast<std::size_t>(id) - 1];
+        const std::size_t index = static_cast<std::size_t>(id) - 1;
+        if (index >= environment_.textures.size()) [[unlikely]]
+            refuse_missing(environment_, id);
+        return *environment_.textures[index];
     }
-    [[nodiscard]] const Texture& sampled(TextureId id) const {
+    [[nodiscard]] TextureView view(const TextureLevels& id) const {
+        const Texture& texture = this->texture(id.texture);
+        const int levels = id.levels == 0 ? texture.desc().levels - id.first_level : id.levels;
+        return TextureView(texture, id.first_level, levels);
+    }
+    /// For an instruction at 2D coordinates.
+    [[nodiscard]] TextureView sampled(const TextureLevels& id, const glm::ivec2& offset) const {
+        const TextureView view = this->view(id);
+        if (view.texture().desc().kind == TextureKind::Cube) [[unlikely]]
+            refuse_cube(environment_, id.texture);
+        const auto in_range = [](int texels) { return texels >= -8 && texels <= 7; };  // D3D11.3 22.4.2, 22.4.15
+        if (!in_range(offset.x) || !in_range(offset.y)) [[unlikely]]
+            refuse_offset(environment_, id.texture, offset);
+        return view;
+    }
+    [[nodiscard]] TextureView filtered(const TextureLevels& id, const Sampler& sampler, const glm::ivec2& offset) const {
+        const TextureView view = sampled(id, offset);
+        if (!filters_format(view.texture().info(), profile()) && sampler.filters()) [[unlikely]]
+            refuse_filter(environment_, id.texture);
+        return view;
+    }
+    Vec4<Real> load_plane(TextureId id, Int x, Int y, const TexelPlace& place, int sample) const {
         const Texture& texture = this->texture(id);
-        if (texture.desc().samples != 1)
-            fail("texture {}: it has {} samples per texel and can only be loaded from, not sampled",
-                 static_cast<std::size_t>(id), texture.desc().samples);
-        return texture;
+        const TextureDesc& desc = texture.desc();
+        const bool inside = place.level >= 0 && place.level < desc.levels && place.layer >= 0 && place.layer < desc.layers &&
+                            sample >= 0 && sample < desc.samples;
+        count_texels(id, texture, 1);
+        if (inside) return load_texel<Real>(texture, x, y, place.level, place.layer * desc.samples + sample);
+        return load_texel<Real>(texture, Int(-1), Int(-1), 0);
     }
 
     static bool needs_lod(const Sampler& sampler) {
         return sampler.mip != MipFilter::Base || sampler.min != sampler.mag || sampler.max_anisotropy > 1;
     }
 
-    LevelOfDetail<Real> quad_lod(const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv) const {
+    LevelOfDetail<Real> quad_lod(const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv) const {
         note_derivative([&](std::uint32_t bits) { return quad_gradients_readers(bits, profile()); });
-        return level_of_detail(quad_gradients(uv, profile()), TextureView(texture), sampler, profile());
+        return level_of_detail(quad_gradients(uv, profile()), view, sampler, profile());
     }
 
-    Vec4<Real> count_and_sample(TextureId id, const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv,
+    Vec4<Real> count_and_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv,
                                 const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
-        count_sample(id, texture, sampler, uv, lod, operands);
-        return gnomon::sample(TextureView(texture), sampler, profile(), uv, lod, operands);
+        count_sample(id, view, sampler, uv, lod, operands);
+        return gnomon::sample(view, sampler, profile(), uv, lod, operands);
     }
 
-    void count_sample(TextureId id, const Texture& texture, const Sampler& sampler, const Vec2<Real>& uv,
+    void count_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv,
                       const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
         if (tally_ == nullptr) return;
-        const SampleCost cost = sample_cost(TextureView(texture), sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod,
-                                            operands, flow_.active());
+        const SampleCost cost =
+            sample_cost(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod, operands, flow_.active());
         tally_->counters.texture_instructions += static_cast<std::uint64_t>(std::popcount(flow_.active()));
         tally_->counters.texture_probes += cost.probes;
         tally_->counters.texels_fetched += cost.texels;
-        tally_->read(id, cost.texels * texel_bytes(texture.info()));
+        tally_->read(id.texture, cost.texels * texel_bytes(view.texture().info()));
     }
     void count_texels(TextureId id, const Texture& texture, std::uint64_t per_lane) const {
         if (tally_ == nullptr) return;

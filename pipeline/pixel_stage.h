@@ -83,16 +83,30 @@ struct PixelTraits {
     bool force_early = false;  // D3D11.3 16.12.1
 };
 
+/// Whether a pixel functor says that it discards.
+template <class PixelFunctor>
+constexpr bool discards() {
+    if constexpr (requires { PixelFunctor::discards; }) {
+        return PixelFunctor::discards;
+    } else {
+        return false;
+    }
+}
+
+template <class Real, class VertexFunctor, class PixelFunctor>
+using FragmentContextOf = FragmentContext<Real, typename VertexFunctor::template Varyings<Real>, discards<PixelFunctor>()>;
+
 template <class VertexFunctor, class PixelFunctor>
 constexpr PixelTraits pixel_traits() {
     PixelTraits traits;
     if constexpr (!std::is_same_v<PixelFunctor, NoPixelFunctor>) {
         using Varyings = typename VertexFunctor::template Varyings<Float>;
-        using Result = decltype(std::declval<const PixelFunctor&>()(std::declval<const FragmentContext<Float, Varyings>&>()));
+        using Context = FragmentContextOf<Float, VertexFunctor, PixelFunctor>;
+        using Result = decltype(std::declval<const PixelFunctor&>()(std::declval<const Context&>()));
         using Colors = std::remove_cvref_t<decltype(as_array(std::declval<const Result&>()))>;
         static_assert(std::tuple_size_v<Colors> <= std::size_t{kMaxTargets});
         traits.targets = static_cast<int>(std::tuple_size_v<Colors>);
-        if constexpr (requires { PixelFunctor::discards; }) traits.discards = PixelFunctor::discards;
+        traits.discards = discards<PixelFunctor>();
         if constexpr (requires { PixelFunctor::per_sample; }) traits.per_sample = PixelFunctor::per_sample;
         if constexpr (requires { PixelFunctor::force_early; }) traits.force_early = PixelFunctor::force_early;
         traits.writes_depth = requires(const Result& result) { result.depth; };
@@ -180,8 +194,8 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     LaneFlow flow{.covered = one_of_several ? wave.samples.covered[static_cast<std::size_t>(job.system.sample)] : wave.covered,
                   .counting = job.counting};
     result.causes = {};
-    const FragmentContext<Real, Varyings> context(varyings, position, job.system, wave, job.environment, flow, result.causes,
-                                                  job.tally);
+    const FragmentContextOf<Real, VertexFunctor, PixelFunctor> context(varyings, position, job.system, wave, job.environment,
+                                                                       flow, result.causes, job.tally);
     const auto output = (*static_cast<const PixelFunctor*>(functor))(context);
     const auto& colors = as_array(output);
     for (std::size_t i = 0; i < colors.size(); ++i) result.colors[i] = colors[i];

@@ -19,8 +19,8 @@
 namespace gnomon {
 
 /// The value of one constant, for those who look from outside: recorders and debuggers.
-using ConstantValue =
-    std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, glm::mat4, std::vector<float>, TextureId, Sampler, BufferId>;
+using ConstantValue = std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, glm::mat4, std::vector<float>, TextureId,
+                                   TextureLevels, MultisampledTexture, Sampler, BufferId>;
 
 struct NamedConstant {
     std::string name;  // members of nested structs as "outer.inner"
@@ -96,6 +96,7 @@ inline void append_constant(std::vector<NamedConstant>& constants, const std::st
 }
 template <HasFields Struct>
 void append_constant(std::vector<NamedConstant>& constants, const std::string& name, const Struct& nested) {
+    static_assert(names_every_member<Struct>(), "fields() of a struct among the constants leaves out a data member");
     for_each_field(nested, [&](std::string_view inner, const auto& value) {
         append_constant(constants, fmt::format("{}.{}", name, inner), value);
     });
@@ -106,6 +107,7 @@ void append_constant(std::vector<NamedConstant>& constants, const std::string& n
 /// Every constant of a functor with its name.
 template <class Functor>
 std::vector<NamedConstant> named_constants(std::span<const std::byte> bytes) {
+    static_assert(names_every_member<Functor>(), "fields() of a functor leaves out a data member");
     std::vector<NamedConstant> constants;
     const Functor functor = functor_from<Functor>(bytes);
     for_each_field(functor, [&](std::string_view name, const auto& value) {

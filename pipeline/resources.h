@@ -16,15 +16,15 @@ struct Buffer {
 
 class Resources {
 public:
-    /// Throw Error for an id that was never created.
-    [[nodiscard]] Texture& texture(TextureId id) const {
+    /// Throw Error for an id that was never created; `what`, if there is any, begins the message.
+    [[nodiscard]] Texture& texture(TextureId id, std::string_view what = {}) const {
         const auto index = static_cast<std::size_t>(id);
-        if (index == 0 || index > textures_.size()) fail("texture {}: no such texture; {} exist", index, textures_.size());
+        if (index == 0 || index > textures_.size()) refuse("texture", index, textures_.size(), what);
         return *textures_[index - 1];
     }
-    [[nodiscard]] Buffer& buffer(BufferId id) const {
+    [[nodiscard]] Buffer& buffer(BufferId id, std::string_view what = {}) const {
         const auto index = static_cast<std::size_t>(id);
-        if (index == 0 || index > buffers_.size()) fail("buffer {}: no such buffer; {} exist", index, buffers_.size());
+        if (index == 0 || index > buffers_.size()) refuse("buffer", index, buffers_.size(), what);
         return *buffers_[index - 1];
     }
     [[nodiscard]] const std::string& label(TextureId id) const { return labels_[static_cast<std::size_t>(id) - 1]; }
@@ -45,6 +45,11 @@ public:
     [[nodiscard]] const std::vector<std::unique_ptr<Buffer>>& buffer_table() const { return buffers_; }
 
 private:
+    [[noreturn]] static void refuse(std::string_view kind, std::size_t index, std::size_t count, std::string_view what) {
+        if (what.empty()) fail("{} {}: no such {}; {} exist", kind, index, kind, count);
+        if (index == 0) fail("{}: names no {}", what, kind);
+        fail("{}: {} {}: no such {}; {} exist", what, kind, index, kind, count);
+    }
     static void check_next(std::string_view what, std::size_t id, std::size_t count) {
         if (id != count + 1) fail("{} {}: ids go up one by one; expected {}", what, id, count + 1);
     }

@@ -64,10 +64,10 @@ struct RasterState {
     bool front_counter_clockwise = true;  // as glTF winds its triangles
     ProvokingVertex provoking = ProvokingVertex::First;
     LineMode lines = LineMode::Aliased;
-    bool depth_clip = true;  // false: depths beyond the viewport's range are clamped to it. D3D11.3 15.4
-    int depth_bias = 0;      // units of the smallest step of the depth format. D3D11.3 15.10
-    float slope_scaled_depth_bias = 0.0f;
-    float depth_bias_clamp = 0.0f;  // 0: none
+    bool depth_clip = true;                // false: depths beyond the viewport's range are clamped to it. D3D11.3 15.4
+    int depth_bias = 0;                    // units of the smallest step of the depth format. D3D11.3 15.10
+    float slope_scaled_depth_bias = 0.0f;  // finite
+    float depth_bias_clamp = 0.0f;         // 0: none; no NaN
 
     static constexpr auto fields() {
         using R = RasterState;

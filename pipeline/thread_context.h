@@ -24,6 +24,12 @@ struct DispatchContext {
     bool checks_races = false;  // groups run one after the other then
 };
 
+/// What a functor made up beside the constants that the device has checked: there is no such resource.
+[[noreturn, gnu::cold, gnu::noinline]] inline void refuse_resource(const DispatchContext& context, std::string_view kind,
+                                                                   std::size_t id) {
+    fail("dispatch '{}': the functor uses {} {}, which does not exist", context.dispatch.label, kind, id);
+}
+
 /// What all threads of a group report to.
 struct GroupObservers {
     Tally* tally = nullptr;      // none: not counted
@@ -153,10 +159,18 @@ public:
     Real log2(const Real& x) const { return gnomon::log2(x); }
 
 private:
-    [[nodiscard]] Buffer& buffer(BufferId name) const { return *dispatch_.buffers[static_cast<std::size_t>(name) - 1]; }
+    [[nodiscard]] Buffer& buffer(BufferId name) const {
+        const std::size_t place = static_cast<std::size_t>(name) - 1;
+        if (place >= dispatch_.buffers.size()) [[unlikely]]
+            refuse_resource(dispatch_, "buffer", place + 1);
+        return *dispatch_.buffers[place];
+    }
     template <detail::ImageAccess kAccess>
     [[nodiscard]] ImageLevel image(const detail::ImageBinding<kAccess>& binding) const {
-        return {*dispatch_.textures[static_cast<std::size_t>(binding.texture) - 1], binding.level, binding.layer};
+        const std::size_t place = static_cast<std::size_t>(binding.texture) - 1;
+        if (place >= dispatch_.textures.size()) [[unlikely]]
+            refuse_resource(dispatch_, "texture", place + 1);
+        return {*dispatch_.textures[place], binding.level, binding.layer};
     }
     /// Whole words of a buffer; bytes behind the last one are out of range.
     static std::int32_t word_count(const Buffer& buffer) { return static_cast<std::int32_t>(buffer.data.size() / 4); }

@@ -1,8 +1,11 @@
 #include "pipeline/validate.h"
 
+#include "texunit/aniso.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace gnomon {
 
@@ -24,6 +27,49 @@ bool writes_stencil(const StencilFace& face) {
     return face.fail != StencilOp::Keep || face.depth_fail != StencilOp::Keep || face.pass != StencilOp::Keep;
 }
 
+/// Every enumeration in it, and in its parts, has one of its values.
+template <class State>
+bool has_valid_enums(const State& state) {
+    bool valid = true;
+    for_each_field(state, [&](std::string_view, const auto& value) {
+        using Value = std::remove_cvref_t<decltype(value)>;
+        if constexpr (HasFields<Value>) {
+            valid = valid && has_valid_enums(value);
+        } else if constexpr (std::is_enum_v<Value>) {
+            valid = valid && is_valid(value);
+        }
+    });
+    return valid;
+}
+
+/// The constants of a pixel functor that are textures with one sample per texel.
+std::optional<TextureLevels> read_levels(const NamedConstant& constant) {
+    if (const auto* id = std::get_if<TextureId>(&constant.value)) return TextureLevels(*id);
+    if (const auto* levels = std::get_if<TextureLevels>(&constant.value)) return *levels;
+    return std::nullopt;
+}
+
+/// "draw 'label': constant", for messages of calls of its functor.
+std::string place_of(const PixelEnvironment& environment, TextureId id) {
+    const Draw& draw = *environment.draw;
+    for (const NamedConstant& constant : draw.program->pixel_constants(draw.pixel_constants)) {
+        const std::optional<TextureLevels> levels = read_levels(constant);
+        if (levels && levels->texture == id) return fmt::format("draw '{}': {}", draw.label, constant.name);
+    }
+    return fmt::format("draw '{}': texture {}", draw.label, number(id));
+}
+
+const FormatInfo& format_of(const PixelEnvironment& environment, TextureId id) {
+    return environment.textures[number(id) - 1]->info();
+}
+
+[[noreturn]] void fail_unfiltered(const std::string& place, const FormatInfo& format, const Profile& profile) {
+    fail(
+        "{} holds {}, which profile {} does not filter, and is sampled with a filter: expected nearest for min, mag and mip, "
+        "and no anisotropy",
+        place, format.name, profile.name);
+}
+
 /// The checks of one draw, in the order of the pipeline.
 class DrawResolver {
 public:
@@ -37,6 +83,7 @@ public:
     bool resolve() {
         context_.draw = &draw_;
         resolve_program();
+        check_states();
         resolve_targets();
         resolve_blending();
         resolve_constants();
@@ -71,6 +118,36 @@ private:
         copy(draw_.pixel_constants, context_.pixel_functor);
     }
 
+    template <class State>
+    void check_enums(const State& state, const std::string& name) const {
+        for_each_field(state, [&](std::string_view field, const auto& value) {
+            using Value = std::remove_cvref_t<decltype(value)>;
+            if constexpr (HasFields<Value>) {
+                check_enums(value, fmt::format("{}.{}", name, field));
+            } else if constexpr (std::is_enum_v<Value>) {
+                check_enum(value, fmt::format("{}: {}.{}", what_, name, field));
+            }
+        });
+    }
+
+    /// Choices that are none, and numbers without a meaning.
+    void check_states() const {
+        const auto valid = [](const auto& state) { return has_valid_enums(state); };
+        if (!is_valid(draw_.topology) || !is_valid(draw_.index_type) || !valid(draw_.raster) || !valid(draw_.depth_state) ||
+            !valid(draw_.stencil) || !std::ranges::all_of(draw_.output.blend, valid)) {
+            check_enum(draw_.topology, what_ + ": topology");
+            check_enum(draw_.index_type, what_ + ": index_type");
+            check_enums(draw_.raster, "raster");
+            check_enums(draw_.depth_state, "depth_state");
+            check_enums(draw_.stencil, "stencil");
+            for (std::size_t i = 0; i < draw_.output.blend.size(); ++i)
+                check_enums(draw_.output.blend[i], fmt::format("blend[{}]", i));
+        }
+        if (!std::isfinite(draw_.raster.slope_scaled_depth_bias) || std::isnan(draw_.raster.depth_bias_clamp))
+            refuse("slope-scaled depth bias {} and clamp {}, expected a finite number and a number",
+                   draw_.raster.slope_scaled_depth_bias, draw_.raster.depth_bias_clamp);
+    }
+
     /// All of one size, layer count and sample count. D3D11.3 17.14, 17.16
     void resolve_targets() {
         for (std::size_t i = 0; i < static_cast<std::size_t>(program_->targets()); ++i) {
@@ -90,7 +167,7 @@ private:
             check_alike(*depth_, draw_.depth);
         }
         if (draw_.derivative_report != TextureId::None) {
-            report_ = &resources_.texture(draw_.derivative_report);
+            report_ = &resources_.texture(draw_.derivative_report, what_ + ": derivative report");
             const TextureDesc& desc = report_->desc();
             if (desc.format != Format::R32Uint || desc.samples != 1 || desc.kind != TextureKind::Flat)
                 refuse("derivative report in {} with {} samples, expected flat r32ui with one", report_->info().name,
@@ -148,21 +225,64 @@ private:
         }
     }
 
-    /// What a shader reads it does not write. D3D11.3 17.13: a depth target that the draw leaves alone may be read.
-    void resolve_constants() {
+    /// What a shader reads is there, can be read in that way, and is not written.
+    void resolve_constants() const {
         if (program_->pixel_constants == nullptr) return;
+        const std::vector<NamedConstant> constants = program_->pixel_constants(draw_.pixel_constants);
+        for (const NamedConstant& constant : constants) {
+            const std::string what = what_ + ": " + constant.name;
+            if (const std::optional<TextureLevels> levels = read_levels(constant)) check_levels(what, *levels);
+            if (const auto* several = std::get_if<MultisampledTexture>(&constant.value)) {
+                (void)resources_.texture(several->texture, what);
+                check_unwritten(what, several->texture, 0, 1);
+            }
+            if (const auto* sampler = std::get_if<Sampler>(&constant.value)) check_sampler(*sampler, what);
+        }
+        check_filtering(constants);
+    }
+
+    void check_levels(const std::string& what, const TextureLevels& view) const {
+        const TextureDesc& desc = resources_.texture(view.texture, what).desc();
+        if (desc.samples != 1)
+            fail("{} has {} samples per texel, expected one: functors read several through a MultisampledTexture", what,
+                 desc.samples);
+        if (view.first_level < 0 || view.first_level >= desc.levels || view.levels < 0 ||
+            view.levels > desc.levels - view.first_level)
+            fail("{} is {} levels from level {}, but the texture has {}", what, view.levels, view.first_level, desc.levels);
+        check_unwritten(what, view.texture, view.first_level, view.levels == 0 ? desc.levels - view.first_level : view.levels);
+    }
+
+    /// D3D11.3 17.13: a depth target that the draw leaves alone may be read, and so may levels other than those it writes.
+    void check_unwritten(const std::string& what, TextureId id, int first_level, int levels) const {
         const bool stores_depth = draw_.depth_state.test && draw_.depth_state.write;
         const bool stores_stencil =
             draw_.stencil.test && (writes_stencil(draw_.stencil.front) || writes_stencil(draw_.stencil.back));
-        for (const NamedConstant& constant : program_->pixel_constants(draw_.pixel_constants)) {
-            const auto* id = std::get_if<TextureId>(&constant.value);
-            if (id == nullptr) continue;
-            (void)resources_.texture(*id);
-            bool written = *id == draw_.derivative_report || (*id == draw_.depth.texture && (stores_depth || stores_stencil));
-            for (const ColorTarget& target : context_.color)
-                written = written || (target.texture != nullptr && target.view.texture == *id);
-            if (written) refuse("{} is sampled and written by the same draw", constant.name);
+        const auto reads = [&](const TargetView& view) {
+            return view.texture == id && view.level >= first_level && view.level < first_level + levels;
+        };
+        bool written = reads(draw_.derivative_report) || (reads(draw_.depth) && (stores_depth || stores_stencil));
+        for (const ColorTarget& target : context_.color) written = written || (target.texture != nullptr && reads(target.view));
+        if (written) fail("{} is sampled and written by the same draw", what);
+    }
+
+    /// Which sampler meets which texture only the calls show; but where every sampler filters and no texture can be filtered,
+    /// none is right. D3D11.3 19.1.4
+    void check_filtering(const std::vector<NamedConstant>& constants) const {
+        const NamedConstant* unfiltered = nullptr;
+        bool samples = false;
+        for (const NamedConstant& constant : constants) {
+            if (const auto* sampler = std::get_if<Sampler>(&constant.value)) {
+                if (!sampler->filters()) return;
+                samples = true;
+            }
+            const std::optional<TextureLevels> levels = read_levels(constant);
+            if (!levels) continue;
+            if (filters_format(resources_.texture(levels->texture).info(), profile_)) return;
+            unfiltered = &constant;
         }
+        if (samples && unfiltered != nullptr)
+            fail_unfiltered(what_ + ": " + unfiltered->name, resources_.texture(read_levels(*unfiltered)->texture).info(),
+                            profile_);
     }
 
     /// D3D11.3 15.6.1, 15.7
@@ -187,16 +307,16 @@ private:
         }
     }
 
-    std::span<const float> floats_of(BufferId id) const {
-        const Buffer& buffer = resources_.buffer(id);
+    std::span<const float> floats_of(BufferId id, std::string_view name) const {
+        const Buffer& buffer = resources_.buffer(id, fmt::format("{}: {}", what_, name));
         return {reinterpret_cast<const float*>(buffer.data.data()), buffer.data.size() / sizeof(float)};
     }
 
     /// Every vertex and instance that the draw asks for is there.
     bool resolve_vertices() {
-        context_.vertices = floats_of(draw_.vertices);
+        context_.vertices = floats_of(draw_.vertices, "vertices");
         if (program_->instance_floats > 0) {
-            context_.instances = floats_of(draw_.instances);
+            context_.instances = floats_of(draw_.instances, "instances");
             const std::uint64_t available = context_.instances.size() / static_cast<std::size_t>(program_->instance_floats);
             const std::uint64_t wanted = std::uint64_t{draw_.first_instance} + draw_.instance_count;
             if (wanted > available)
@@ -210,7 +330,7 @@ private:
         std::uint64_t lowest = draw_.first;
         std::uint64_t highest = std::uint64_t{draw_.first} + draw_.count - 1;
         if (draw_.indices != BufferId::None) {
-            context_.indices = resources_.buffer(draw_.indices).data;
+            context_.indices = resources_.buffer(draw_.indices, what_ + ": indices").data;
             const VertexNumbers numbers(context_.indices, draw_.index_type, draw_.first, draw_.count);
             const std::size_t held = context_.indices.size() / numbers.bytes_each();
             if (highest >= held) refuse("indices {} to {}, but the buffer holds {}", draw_.first, highest, held);
@@ -257,27 +377,29 @@ private:
                           .bias_arithmetic = profile_.depth_bias_arithmetic,
                           .sample_extent = extent};
         const bool tests = depth_ != nullptr && (draw_.depth_state.test || (draw_.stencil.test && depth_->info().has_stencil));
-        context_.tiles = {
-            .program = program_,
-            .pixel_functor = context_.pixel_functor.data(),
-            .order = depth_order(),
-            .depth_texture = tests ? depth_ : nullptr,
-            .depth_view = draw_.depth,
-            .depth = draw_.depth_state,
-            .stencil = draw_.stencil,
-            .color = context_.color,
-            .output = draw_.output,
-            .viewports = context_.viewports,
-            .pattern = pattern,
-            .depth_pattern = depth_pattern,
-            .depth_extent = sample_extent(depth_pattern),
-            .plane_equations = profile_.plane_equations,
-            .depth_rounding = profile_.depth_rounding,
-            .layers = layers_,
-            .width = width_,
-            .height = height_,
-            .derivative_report = report_,
-            .environment = {.textures = resources_.table(), .profile = &profile_, .reports_derivatives = report_ != nullptr}};
+        context_.tiles = {.program = program_,
+                          .pixel_functor = context_.pixel_functor.data(),
+                          .order = depth_order(),
+                          .depth_texture = tests ? depth_ : nullptr,
+                          .depth_view = draw_.depth,
+                          .depth = draw_.depth_state,
+                          .stencil = draw_.stencil,
+                          .color = context_.color,
+                          .output = draw_.output,
+                          .viewports = context_.viewports,
+                          .pattern = pattern,
+                          .depth_pattern = depth_pattern,
+                          .depth_extent = sample_extent(depth_pattern),
+                          .plane_equations = profile_.plane_equations,
+                          .depth_rounding = profile_.depth_rounding,
+                          .layers = layers_,
+                          .width = width_,
+                          .height = height_,
+                          .derivative_report = report_,
+                          .environment = {.textures = resources_.table(),
+                                          .profile = &profile_,
+                                          .reports_derivatives = report_ != nullptr,
+                                          .draw = &draw_}};
         context_.tiles_x = (width_ + kTileSize - 1) / kTileSize;
         context_.tiles_y = (height_ + kTileSize - 1) / kTileSize;
     }
@@ -303,7 +425,7 @@ bool resolve_draw(const Draw& draw, Resources& resources, const Profile& profile
 }
 
 Texture& resolve_view(const TargetView& view, Resources& resources, const std::string& what) {
-    Texture& texture = resources.texture(view.texture);
+    Texture& texture = resources.texture(view.texture, what);
     const TextureDesc& desc = texture.desc();
     if (view.level < 0 || view.level >= desc.levels)
         fail("{}: level {} of texture {}, expected 0 to {}", what, view.level, number(view.texture), desc.levels - 1);
@@ -313,7 +435,27 @@ Texture& resolve_view(const TargetView& view, Resources& resources, const std::s
     return texture;
 }
 
+void refuse_missing(const PixelEnvironment& environment, TextureId id) {
+    fail("draw '{}': the functor uses texture {}, which does not exist", environment.draw->label, number(id));
+}
+void refuse_cube(const PixelEnvironment& environment, TextureId id) {
+    fail("{} is a cube texture, sampled at 2D coordinates: its faces can only be loaded from", place_of(environment, id));
+}
+void refuse_filter(const PixelEnvironment& environment, TextureId id) {
+    fail_unfiltered(place_of(environment, id), format_of(environment, id), *environment.profile);
+}
+void refuse_comparison(const PixelEnvironment& environment, TextureId id) {
+    fail("{} holds {}: integers are not compared", place_of(environment, id), format_of(environment, id).name);
+}
+void refuse_offset(const PixelEnvironment& environment, TextureId id, const glm::ivec2& offset) {
+    fail("{} is read with the offset ({}, {}), expected -8 to 7", place_of(environment, id), offset.x, offset.y);
+}
+void refuse_component(const PixelEnvironment& environment, TextureId id, int component) {
+    fail("{}: component {} gathered, expected 0 to 3", place_of(environment, id), component);
+}
+
 void check_texture(const TextureDesc& desc, const Profile& profile) {
+    check_enum(desc.format, "format of a texture");
     if (desc.samples > profile.max_samples)
         fail("texture with {} samples per texel: profile {} has at most {}", desc.samples, profile.name, profile.max_samples);
     const FormatInfo& format = format_info(desc.format);

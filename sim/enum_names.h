@@ -24,6 +24,14 @@ inline constexpr std::array<EnumName<E>, 0> kEnumNames{};
 template <class E>
 concept NamedEnum = std::is_enum_v<E> && (kEnumNames<E>.size() > 0);
 
+/// Whether it is one of the named values; casts and foreign callers make others.
+template <NamedEnum E>
+constexpr bool is_valid(E value) {
+    for (const auto& entry : kEnumNames<E>)
+        if (entry.value == value) return true;
+    return false;
+}
+
 template <NamedEnum E>
 std::string_view name_of(E value) {
     for (const auto& entry : kEnumNames<E>)
@@ -40,6 +48,12 @@ std::string names_of() {
         all += entry.name;
     }
     return all;
+}
+
+/// Throws Error, which names `what` and lists the choices, unless the value is one of them.
+template <NamedEnum E>
+void check_enum(E value, std::string_view what) {
+    if (!is_valid(value)) fail("{}: value {} is not one of {}", what, static_cast<long long>(value), names_of<E>());
 }
 
 /// The value with this name; throws Error that names `what` and lists the choices.

@@ -2,6 +2,8 @@
 // number of threads or on the order in which pieces run.
 #pragma once
 
+#include "sim/error.h"
+
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -12,10 +14,13 @@
 
 namespace gnomon {
 
-/// A set of worker threads. `threads` = 0 takes as many as there are processors; 1 runs everything on the caller.
+inline constexpr int kMaxThreads = 256;
+
+/// A set of worker threads. `threads` = 0 takes as many as there are processors; 1 runs everything on the caller. Throws Error
+/// for less than 0 and more than kMaxThreads.
 class Workers {
 public:
-    explicit Workers(int threads = 0) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {
+    explicit Workers(int threads = 0) : arena_(checked(threads) > 0 ? threads : tbb::task_arena::automatic) {
         // The smallest limit of a process holds for everyone in it, so only those ask who want more threads than processors.
         if (threads > tbb::info::default_concurrency())
             limit_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
@@ -43,6 +48,12 @@ public:
     }
 
 private:
+    static int checked(int threads) {
+        if (threads < 0 || threads > kMaxThreads)
+            fail("{} threads: expected 0 (as many as there are processors) to {}", threads, kMaxThreads);
+        return threads;
+    }
+
     std::optional<tbb::global_control> limit_;
     tbb::task_arena arena_;
 };

@@ -39,16 +39,33 @@ void read_field(const nlohmann::json& json, const std::string& what, bool& value
     if (!json.is_boolean()) fail("{}: expected true or false", what);
     value = json.get<bool>();
 }
+/// What a field of whole numbers may be, by its name.
+struct IntChoices {
+    bool may_be_exact = false;
+    bool is_sample_count = false;
+
+    explicit IntChoices(std::string_view name)
+        : may_be_exact(name.ends_with("texel_fraction_bits") || name.ends_with("lod_fraction_bits")),
+          is_sample_count(name.ends_with("max_samples")) {}
+
+    [[nodiscard]] bool has(int value) const {
+        if (is_sample_count) return value == 1 || value == 2 || value == 4 || value == 8 || value == 16;
+        return (value >= 1 && value <= 8) || (may_be_exact && value == kExactBits);
+    }
+    [[nodiscard]] std::string_view text() const {
+        if (is_sample_count) return "expected 1, 2, 4, 8 or 16";
+        return may_be_exact ? "expected a whole number from 1 to 8, or \"exact\"" : "expected a whole number from 1 to 8";
+    }
+};
+
 void read_field(const nlohmann::json& json, const std::string& what, int& value) {
-    const bool may_be_exact = what.ends_with("texel_fraction_bits") || what.ends_with("lod_fraction_bits");
-    if (may_be_exact && json.is_string() && json.get<std::string>() == "exact") {
+    const IntChoices choices(what);
+    if (choices.may_be_exact && json.is_string() && json.get<std::string>() == "exact") {
         value = kExactBits;
         return;
     }
-    const int most = what.ends_with("max_samples") ? 16 : 8;
-    const auto expected = fmt::format("expected a whole number from 1 to {}{}", most, may_be_exact ? ", or \"exact\"" : "");
-    if (!json.is_number_integer()) fail("{}: {}", what, expected);
-    if (json < 1 || json > most) fail("{}: is {}; {}", what, json.dump(), expected);
+    if (!json.is_number_integer()) fail("{}: {}", what, choices.text());
+    if (json < 1 || json > 16 || !choices.has(json.get<int>())) fail("{}: is {}; {}", what, json.dump(), choices.text());
     value = json.get<int>();
 }
 template <std::size_t kCount>
@@ -67,7 +84,29 @@ void read_field(const nlohmann::json& json, const std::string& what, E& value) {
     value = enum_from_name<E>(json.get<std::string>(), what);
 }
 
+void check_field(const std::string&, const std::string&) {}
+void check_field(const std::string&, bool) {}
+void check_field(const std::string& what, int value) {
+    const IntChoices choices(what);
+    if (!choices.has(value)) fail("{}: is {}; {}", what, value, choices.text());
+}
+template <std::size_t kCount>
+void check_field(const std::string& what, const std::array<SamplePosition, kCount>& positions) {
+    for (const SamplePosition& at : positions)
+        if (at.x < 0 || at.x > 15 || at.y < 0 || at.y > 15)
+            fail("{}: a sample at ({}, {}); expected 0 to 15, in sixteenths of a pixel", what, at.x, at.y);
+}
+template <NamedEnum E>
+void check_field(const std::string& what, E value) {
+    check_enum(value, what);
+}
+
 }  // namespace
+
+void check_profile(const Profile& profile, std::string_view where) {
+    for_each_field(profile,
+                   [&](std::string_view name, const auto& value) { check_field(fmt::format("{}: {}", where, name), value); });
+}
 
 std::string profile_to_json(const Profile& profile) {
     nlohmann::ordered_json json;

@@ -50,7 +50,7 @@ struct Profile {
     Narrowing float_narrowing = Narrowing::TowardZero;
     // Rasteriser.
     int raster_subpixel_bits = 8;  // 1 to 8
-    int max_samples = 16;          // 1 to 16
+    int max_samples = 16;          // 1, 2, 4, 8 or 16
     std::array<SamplePosition, 2> sample_positions_2 = kStandardSamples2;
     std::array<SamplePosition, 4> sample_positions_4 = kStandardSamples4;
     std::array<SamplePosition, 8> sample_positions_8 = kStandardSamples8;
@@ -86,7 +86,7 @@ struct Profile {
     BilinearForm bilinear_form = BilinearForm::Lerp;
     UnormDecode unorm_decode = UnormDecode::Divide;
     UnormFilter unorm_filter = UnormFilter::Float;
-    bool filters_float32 = true;  // false: formats of 32-bit floats are point-sampled whatever the sampler says
+    bool filters_float32 = true;  // false: formats of 32-bit floats can only be point-sampled
     BorderPrecision border_precision = BorderPrecision::Float;
     CompareReference compare_reference = CompareReference::Quantised;
     CubeEdges cube_edges = CubeEdges::Seamless;
@@ -213,6 +213,10 @@ template <NamedEnum E>
 std::string field_text(E value) {
     return std::string(name_of(value));
 }
+
+/// Throws Error, with `where` in front, for a field out of range. Sample positions may coincide, as programmable ones may: such
+/// samples are covered together.
+void check_profile(const Profile& profile, std::string_view where);
 
 /// Reads a JSON object. A field "base" names the preset (default d3d11) that gives every field not mentioned; without a "name"
 /// the profile is called by the stem of `where`, the file's path. Throws Error, with `where` in front, for unknown fields,

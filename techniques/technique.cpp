@@ -4,6 +4,7 @@
 #include "techniques/pcf.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
+#include "texunit/aniso.h"
 
 #include <algorithm>
 
@@ -44,6 +45,13 @@ const Technique& find_technique(std::string_view name) {
         names += technique.name;
     }
     fail("technique '{}': not known; expected one of {}", name, names);
+}
+
+void check_filter(const Profile& profile, const TechniqueSettings& settings) {
+    const FormatInfo& format = format_info(settings.format);
+    if (settings.filter != MapFilter::Nearest && !filters_format(format, profile))
+        fail("--filter {}: profile {} does not filter {}; expected nearest, or another --format", name_of(settings.filter),
+             profile.name, format.name);
 }
 
 TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request) {

@@ -94,4 +94,8 @@ const Technique& find_technique(std::string_view name);
 /// Fills in defaults; throws Error that names the option, the technique and what it takes.
 TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request);
 
+/// Throws Error where the map is to be filtered and the profile does not filter its format: what the draw would say, before
+/// anything is drawn.
+void check_filter(const Profile& profile, const TechniqueSettings& settings);
+
 }  // namespace gnomon::techniques

@@ -14,6 +14,7 @@ constexpr std::array kMapFilters{MapFilter::Trilinear, MapFilter::Bilinear, MapF
 class VsmPasses final : public ShadowPasses {
 public:
     VsmPasses(Device& device, const TechniqueSettings& settings) : device_(device), settings_(settings) {
+        check_filter(device.profile(), settings);
         const int size = settings.map_size;
         const int levels = settings.filter == MapFilter::Trilinear ? full_level_count(size, size) : 1;
         moments_ =

@@ -7,7 +7,8 @@
 
 namespace gnomon {
 
-/// Whether the hardware filters a format at all; others are point-sampled whatever the sampler says.
+/// Whether the hardware filters a format at all. The instructions here point-sample others whatever the sampler says; draws and
+/// `gnomon sample` refuse them together with a sampler that filters.
 inline bool filters_format(const FormatInfo& format, const Profile& profile) {
     return !format.is_integer() && (profile.filters_float32 || format.type != ComponentType::Float32);
 }

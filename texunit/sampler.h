@@ -83,6 +83,14 @@ struct Sampler {
                           Field{"border", &S::border}};
     }
     bool operator==(const Sampler&) const = default;
+
+    /// Asks for more than one texel anywhere: what formats that are not filtered cannot be read with.
+    [[nodiscard]] bool filters() const {
+        return min == TexelFilter::Linear || mag == TexelFilter::Linear || mip == MipFilter::Linear || max_anisotropy > 1;
+    }
 };
+
+/// Throws Error, with `what` in front, for a member out of range. Limits of the level of detail may cross: then min_lod holds.
+void check_sampler(const Sampler& sampler, std::string_view what);
 
 }  // namespace gnomon

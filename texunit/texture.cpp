@@ -35,6 +35,8 @@ constexpr std::pair<int, int> layer_limits(TextureKind kind) {
 }  // namespace
 
 Texture::Texture(const TextureDesc& desc) : desc_(desc) {
+    check_enum(desc.format, "format of a texture");
+    check_enum(desc.kind, "kind of a texture");
     if (desc.width < 1 || desc.width > kMaxTextureSize || desc.height < 1 || desc.height > kMaxTextureSize)
         fail("texture of {}x{} texels: each side must be from 1 to {}", desc.width, desc.height, kMaxTextureSize);
     if (desc.levels < 1 || desc.levels > full_level_count(desc.width, desc.height))

@@ -35,6 +35,10 @@ Json json_of(const glm::mat4& value) { return array_of<4>(value); }
 Json json_of(const ConstantValue& value) {
     struct Visitor {
         Json operator()(TextureId id) const { return {{"texture", static_cast<std::uint32_t>(id)}}; }
+        Json operator()(const TextureLevels& v) const {
+            return {{"texture", static_cast<std::uint32_t>(v.texture)}, {"first_level", v.first_level}, {"levels", v.levels}};
+        }
+        Json operator()(const MultisampledTexture& v) const { return {{"texture", static_cast<std::uint32_t>(v.texture)}}; }
         Json operator()(BufferId id) const { return {{"buffer", static_cast<std::uint32_t>(id)}}; }
         Json operator()(const std::vector<float>& values) const {
             Json json = Json::array();

@@ -3,6 +3,7 @@
 
 #include "parse.h"
 #include "sim/error.h"
+#include "sim/parallel.h"
 #include "studies/filter_charts.h"
 #include "studies/image_io.h"
 #include "studies/output_folder.h"
@@ -90,7 +91,7 @@ ChartPlan plan_of(const ChartOptions& options) {
     plan.format = enum_from_name<Format>(options.format, "--format");
     if (format_info(plan.format).is_integer()) fail("--format {}: holds integers, which filters do not read", options.format);
     std::tie(plan.width, plan.height) = parse_size(options.size, "--size");
-    plan.threads = parse_int(options.threads, "--threads", 0, 256);
+    plan.threads = parse_int(options.threads, "--threads", 0, kMaxThreads);
     return plan;
 }
 

@@ -3,6 +3,7 @@
 
 #include "parse.h"
 #include "sim/error.h"
+#include "sim/parallel.h"
 #include "studies/image_io.h"
 #include "studies/output_folder.h"
 #include "studies/pipeline_chart.h"
@@ -23,7 +24,7 @@ void pipeline_chart(const PipelineChartOptions& options) {
     if (std::filesystem::path(options.out).extension() != ".png")
         fail("--out {}: expected a name that ends in .png", options.out);
     const Profile profile = load_profile(options.profile);
-    const studies::ByteImage chart = studies::pipeline_chart(profile, parse_int(options.threads, "--threads", 0, 256));
+    const studies::ByteImage chart = studies::pipeline_chart(profile, parse_int(options.threads, "--threads", 0, kMaxThreads));
     studies::OutputFile file(options.out, "--out " + options.out);
     studies::write_png(file.staging(), chart);
     file.commit();

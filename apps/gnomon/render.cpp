@@ -3,6 +3,7 @@
 
 #include "parse.h"
 #include "sim/error.h"
+#include "sim/parallel.h"
 #include "studies/experiment.h"
 #include "studies/report.h"
 #include "studies/result_files.h"
@@ -189,7 +190,7 @@ void add_machine_options(CLI::App& command, RenderOptions& options) {
     command
         .add_option_function<std::string>(
             "--threads",
-            [&options](const std::string& text) { options.request.threads = parse_int(text, "--threads", 0, 256); },
+            [&options](const std::string& text) { options.request.threads = parse_int(text, "--threads", 0, kMaxThreads); },
             "Worker threads, 0 for all processors; changes no result [0]")
         ->type_name("N")
         ->group(kGroup);

@@ -6,6 +6,7 @@
 #include "sim/error.h"
 #include "sim/parallel.h"
 #include "studies/image_io.h"
+#include "texunit/aniso.h"
 #include "texunit/mipmap.h"
 #include "texunit/record.h"
 #include "texunit/upload.h"
@@ -230,6 +231,8 @@ void sample(const SampleOptions& options) {
         fail("--offset {}: expected two whole numbers from -8 to 7", options.offset);
     const glm::ivec2 texels(static_cast<int>(offset[0]), static_cast<int>(offset[1]));
     const Texture texture = make_texture(options, profile);
+    if (sampler.filters() && !filters_format(texture.info(), profile))
+        fail("--filter {}: profile {} does not filter {}; expected nearest", options.filter, profile.name, texture.info().name);
 
     // Every line first: bad input leaves nothing half written.
     std::vector<SampleRequest> requests;

@@ -38,7 +38,7 @@ struct Position {
 
 /// A resolve of moments: sum of weights[s] * sample s, in order.
 struct WeightedResolve {
-    TextureId source;
+    MultisampledTexture source;
     std::array<float, 16> weights{};
     static constexpr auto fields() {
         return std::tuple{Field{"source", &WeightedResolve::source}, Field{"weights", &WeightedResolve::weights}};
@@ -51,7 +51,7 @@ struct WeightedResolve {
         const Int y = truncate_to_int(f.position.y);
         Vec4<Real> sum{Real(0.0f), Real(0.0f), Real(0.0f), Real(0.0f)};
         for (int s = 0; s < f.samples(source); ++s) {
-            const Vec4<Real> texel = f.load(source, x, y, {.sample = s});
+            const Vec4<Real> texel = f.load(source, x, y, s);
             const Real weight(weights[static_cast<std::size_t>(s)]);
             sum = {sum.x + texel.x * weight, sum.y + texel.y * weight, sum.z + texel.z * weight, sum.w + texel.w * weight};
         }
@@ -173,7 +173,7 @@ TEST_CASE("a shader resolves by loading each sample", "[22.4.7][22.4.6][resolve]
                 const TextureDesc desc{.format = format, .width = kWidth, .height = kHeight};
                 const TextureId custom = canvas.device.create_texture("custom", desc);
                 const TextureId mean = canvas.device.create_texture("mean", desc);
-                WeightedResolve functor{.source = source};
+                WeightedResolve functor{.source = {source}};
                 for (std::size_t s = 0; s < static_cast<std::size_t>(samples); ++s)
                     functor.weights[s] = box ? 1.0f / static_cast<float>(samples) : static_cast<float>(s % 3) * 0.375f;
                 Draw draw =

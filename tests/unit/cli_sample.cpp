@@ -136,6 +136,8 @@ TEST_CASE("gnomon sample and convert refuse bad input in one line and print noth
         {"sample --checker 4x4 --offset 0.5,0", ok, "--offset 0.5,0"},
         {"sample --checker 4x4 --profile nobody", ok, "nobody"},
         {"sample --checker 4x4 --format r32ui", ok, "r32ui"},
+        {"sample --checker 4x4 --format r32f --profile nv40", ok, "--filter bilinear: profile nv40 does not filter r32f"},
+        {"sample --checker 4x4 --format rg32f --filter aniso --profile nv40", ok, "does not filter rg32f"},
         {"sample --checker 4x4 --format r32ui --filter nearest --mips", ok, "r32ui"},
         {"sample --image missing.png", ok, "missing.png"},
         {"sample --image text.png", ok, "text.png"},
@@ -163,6 +165,8 @@ TEST_CASE("gnomon sample and convert refuse bad input in one line and print noth
         CHECK(run.err.find(needle) != std::string::npos);
     }
     CHECK(gnomon_run(folder, "sample --checker 4x4", "").code == 0);
+    CHECK(gnomon_run(folder, "sample --checker 4x4 --format r32f --filter nearest --profile nv40", ok).code == 0);
+    CHECK(gnomon_run(folder, "sample --checker 4x4 --format rg16f --profile nv40", ok).code == 0);
 }
 
 TEST_CASE("gnomon convert goes through every format by the specification's rules", "[cli][3.2.2]") {

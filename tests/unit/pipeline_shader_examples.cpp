@@ -111,7 +111,7 @@ struct CountVisible {
 };
 
 struct ResolveNearest {
-    TextureId depth = TextureId::None;
+    MultisampledTexture depth;
     static constexpr auto fields() { return std::tuple{Field{"depth", &ResolveNearest::depth}}; }
 
     template <class F>
@@ -120,7 +120,7 @@ struct ResolveNearest {
         const Int x = truncate_to_int(f.position.x);
         const Int y = truncate_to_int(f.position.y);
         Real nearest(1.0f);
-        for (int s = 0; s < f.samples(depth); ++s) nearest = min(nearest, f.load(depth, x, y, {.sample = s}).x);
+        for (int s = 0; s < f.samples(depth); ++s) nearest = min(nearest, f.load(depth, x, y, s).x);
         return Vec4<Real>{nearest, Real(0.0f), Real(0.0f), Real(1.0f)};
     }
 };
@@ -291,7 +291,7 @@ TEST_CASE("example: a coverage mask of the functor's own, and its samples resolv
         CHECK(canvas.at(color, 3, 0, 0, 0, s) == 1.0f);
     }
 
-    const ResolveNearest nearest{.depth = depth};
+    const ResolveNearest nearest{.depth = {depth}};
     Draw pass = canvas.draw(resolve, vertex, nearest);
     const TextureId resolved = canvas.target(Format::R32Float);
     pass.color[0] = resolved;

@@ -143,6 +143,10 @@ TEST_CASE("mistakes in profiles are named", "[profile][errors]") {
     CHECK(mentions(message_of(R"({"raster_subpixel_bits": 9})"), "9"));
     CHECK(mentions(message_of(R"({"raster_subpixel_bits": -1})"), "-1"));
     CHECK(mentions(message_of(R"({"raster_subpixel_bits": "exact"})"), "raster_subpixel_bits"));
+    CHECK(mentions(message_of(R"({"max_samples": 3})"), "1, 2, 4, 8 or 16"));
+    CHECK(mentions(message_of(R"({"max_samples": 0})"), "max_samples"));
+    CHECK(mentions(message_of(R"({"max_samples": 32})"), "32"));
+    CHECK(mentions(message_of(R"({"max_targets": 9})"), "max_targets"));
     CHECK(mentions(message_of(R"({"texel_fraction_bits": 8.5})"), "texel_fraction_bits"));
     CHECK(mentions(message_of(R"({"texel_fraction_bits": -1})"), "texel_fraction_bits"));
     CHECK(mentions(message_of(R"({"texel_fraction_bits": 4294967298})"), "texel_fraction_bits"));
