@@ -3,4 +3,5 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/build clang
-build/clang/tests/gnomon_tests "~[.]~[cli]"
+build/clang/tests/gnomon_tests "~[.]"
+build/clang/tests/gnomon_studies_tests "~[.]~[cli]"
