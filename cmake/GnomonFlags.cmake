@@ -37,6 +37,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_
 endif()
 
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    add_compile_options(-Wreserved-identifier)
     # clang 19 spells out AVX10 for -march=native on newer processors and then warns about its own spelling.
     add_compile_options(-Wno-invalid-feature-combination)
     # Profiles may flush denormals: clang must not turn comparisons into tests of bits as if nobody did.

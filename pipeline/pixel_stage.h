@@ -202,8 +202,6 @@ void shade_wave(const void* functor, const PixelJob<Real>& job, PixelResult<Real
     if constexpr (requires { output.depth; }) result.depth = output.depth;
     if constexpr (requires { output.coverage; }) result.coverage = output.coverage;
     result.killed = flow.killed;
-    if constexpr (!requires { PixelFunctor::discards; })
-        if (flow.killed != 0) fail("a pixel functor discards without saying 'static constexpr bool discards = true'");
 }
 
 }  // namespace gnomon

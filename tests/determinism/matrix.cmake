@@ -1,6 +1,6 @@
-# Same bytes everywhere: builds the core anew for other compilers and instruction sets and compares its fingerprints with those
-# of this build, at 1, 2 and 8 threads. Configurations that this machine cannot run are named and left out.
-# cmake -DROOT=... -DWORK=... -DFINGERPRINT=... -P matrix.cmake
+# Same bytes everywhere: builds the core anew for other instruction sets and compares its fingerprints, and those of the other
+# compiler's build, with those of this build at 1, 2 and 8 threads. Configurations that this machine cannot run are named and left out.
+# cmake -DROOT=... -DWORK=... -DFINGERPRINT=... [-DOTHER=the program of the other compiler's build] -P matrix.cmake
 cmake_minimum_required(VERSION 3.25)
 function(run_fingerprint program threads out)
     execute_process(COMMAND "${program}" ${threads} OUTPUT_VARIABLE text RESULT_VARIABLE code)
@@ -41,11 +41,19 @@ foreach(threads 2 8)
     compare("this build, ${threads} threads" "${reference}" "${text}")
 endforeach()
 
-# Every width of lanes with one compiler, and the widest with the other.
-foreach(configuration "g++;x86-64-v2" "g++;x86-64-v3" "clang++-19;native")
-    list(GET configuration 0 compiler)
-    list(GET configuration 1 arch)
-    set(name "${compiler} ${arch}")
+# The widest lanes with the other compiler: built already, or here.
+set(configurations "g++ x86-64-v2" "g++ x86-64-v3")
+if(OTHER)
+    run_fingerprint("${OTHER}" 2 text)
+    compare("the other compiler's build" "${reference}" "${text}")
+else()
+    list(APPEND configurations "g++ native")
+endif()
+
+# Every width of lanes with one compiler.
+foreach(name IN LISTS configurations)
+    string(REPLACE " " ";" configuration "${name}")
+    list(POP_FRONT configuration compiler arch)
     find_program(found_${compiler} ${compiler})
     if(NOT found_${compiler} OR (NOT arch STREQUAL "native" AND NOT runs_${arch}))
         message(STATUS "${name}: SKIPPED, this machine lacks it")
