@@ -1,4 +1,5 @@
 // The shader functors that docs/shaders.md quotes, drawn with. A test (check_quotes.cmake) compares the page with this file.
+#include "pipeline/compute.h"
 #include "pipeline/device.h"
 #include "pipeline/program.h"
 
@@ -6,8 +7,11 @@
 
 #include <glm/vec2.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <numeric>
+#include <vector>
 
 using namespace gnomon;
 
@@ -210,6 +214,70 @@ private:
     BufferId triangle_ = device.create_buffer("triangle", std::as_bytes(std::span(kFullScreen)));
 };
 
+// A whole draw: a square with a hole, 64 by 64 pixels, four bytes each.
+std::vector<std::byte> square_with_a_hole() {
+    Device device(load_profile("d3d11"));  // all processors; Device(profile, 1) is one thread, with the same bytes
+    const std::array<float, 16> corners{-1, -1, 0, 0, 1, -1, 1, 0, -1, 1, 0, 1, 1, 1, 1, 1};  // x, y, u, v: Flat2d::Input
+    const BufferId vertices = device.create_buffer("corners", std::as_bytes(std::span(corners)));
+    const TextureId color = device.create_texture("color", {.format = Format::Rgba8Unorm, .width = 64, .height = 64});
+    const TextureId depth = device.create_texture("depth", {.format = Format::D32Float, .width = 64, .height = 64});
+    device.execute(ClearColor{color, glm::vec4(0.0f)});
+    device.execute(ClearDepth{depth, 1.0f});
+
+    static const Program program = make_program<Flat2d, Cutout>("example.square");
+    const Flat2d vertex{.scale = glm::vec2(0.5f)};
+    const Cutout pixel{.threshold = 0.25f};
+    Draw draw{.label = "square",
+              .program = &program,
+              .vertex_constants = constants_of(vertex),
+              .pixel_constants = constants_of(pixel),
+              .topology = Topology::TriangleStrip,
+              .vertices = vertices,
+              .count = 4,
+              .depth = depth};
+    draw.color[0] = color;
+    device.execute(draw);
+    return device.texture(color).level_bytes(0);
+}
+
+/// Sums of 64 numbers each, by halves.
+struct SumOf64 {
+    static constexpr GroupSize kGroupSize{64, 1, 1};
+
+    ReadBuffer<float> from;
+    RwBuffer<float> to;
+
+    static constexpr auto fields() { return std::tuple{Field{"from", &SumOf64::from}, Field{"to", &SumOf64::to}}; }
+
+    template <class G>
+    void operator()(G& g) const {
+        const auto sums = g.shared_real(64);
+        g.threads([&](const auto& t) { t.store(sums, t.index, t.load(from, t.id.x)); });
+        for (int half = 32; half > 0; half /= 2) {
+            g.threads(half, [&](const auto& t) {
+                t.store(sums, t.index, t.load(sums, t.index) + t.load(sums, t.index + Int(half)));
+            });
+        }
+        g.threads(1, [&](const auto& t) { t.store(to, Int(g.id.x), t.load(sums, Int(0))); });
+    }
+};
+
+std::vector<float> sums_of(const std::vector<float>& numbers) {
+    Device device(load_profile("d3d11"));
+    const std::size_t groups = numbers.size() / 64;
+    const BufferId from = device.create_buffer("numbers", std::as_bytes(std::span(numbers)));
+    const BufferId to = device.create_zeroed_buffer("sums", groups * sizeof(float));
+    static const ComputeProgram program = make_compute_program<SumOf64>("example.sum_of_64");
+    const SumOf64 functor{.from = {from}, .to = {to}};
+    device.execute(Dispatch{.label = "sums",
+                            .program = &program,
+                            .constants = constants_of(functor),
+                            .groups_x = static_cast<std::uint32_t>(groups)});
+    std::vector<float> sums(groups);
+    std::memcpy(sums.data(), device.buffer(to).data.data(), groups * sizeof(float));
+    return sums;
+}
+
 }  // namespace
 
 TEST_CASE("example: discard", "[shaders][22.5.1]") {
@@ -358,4 +426,20 @@ TEST_CASE("example: instances into layers, flat and linear values", "[shaders][8
     CHECK(canvas.at(color, 3, 0, 0, 1) == 0.75f);
     CHECK(canvas.at(color, 3, 0, 1, 1) == 0.375f);
     CHECK(canvas.at(layer, 3, 0, 0, 1) == 1.0f);
+}
+
+TEST_CASE("example: a whole draw", "[shaders]") {
+    const std::vector<std::byte> bytes = square_with_a_hole();
+    REQUIRE(bytes.size() == 64 * 64 * 4);
+    const auto alpha = [&](std::size_t x, std::size_t y) { return bytes[(y * 64 + x) * 4 + 3]; };
+    CHECK(alpha(8, 32) == std::byte{0});     // outside
+    CHECK(alpha(20, 32) == std::byte{0});    // u is below the threshold
+    CHECK(alpha(30, 32) == std::byte{255});  // u is not
+    CHECK(std::ranges::count(bytes, std::byte{255}) >= 32 * 24);
+}
+
+TEST_CASE("example: a dispatch", "[shaders][18.6]") {
+    std::vector<float> numbers(256);
+    std::iota(numbers.begin(), numbers.end(), 0.0f);
+    CHECK(sums_of(numbers) == std::vector<float>{2016, 6112, 10208, 14304});
 }
