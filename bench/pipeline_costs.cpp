@@ -162,12 +162,12 @@ Way way(const std::string& name, const Pixel& pixel) {
     static const Program program = make_program<WideVertex<kVaryings>, Pixel>("bench.cost");
     return {.name = name, .program = &program, .pixel_constants = bytes_of(pixel)};
 }
-Way plain(std::string name = "plain") { return way<2>(std::move(name), SumPixel<2>{}); }
+Way plain(const std::string& name = "plain") { return way<2>(name, SumPixel<2>{}); }
 
-Way textured(std::string name, const Sampler& how) {
+Way textured(const std::string& name, const Sampler& how) {
     Sampler sampler = how;
     sampler.address_u = sampler.address_v = AddressMode::Wrap;
-    return way<2>(std::move(name), TexturedPixel{.sampler = sampler});
+    return way<2>(name, TexturedPixel{.sampler = sampler});
 }
 
 Way with(Way way, const auto& change) {

@@ -69,6 +69,7 @@ public:
         }
         const PixelRect area = intersect(piece.bounds, tile_);
         std::vector<TileBits> bits;
+        bits.reserve(static_cast<std::size_t>(pattern_.count));
         for (std::size_t s = 0; s < static_cast<std::size_t>(pattern_.count); ++s)
             bits.push_back(outline_coverage(*piece.outline, pattern_.at[s], area, tile_.x0, tile_.y0));
         for (int y = area.y0; y < area.y1; ++y) {

@@ -130,14 +130,13 @@ void interpolate_as_peer(const PeerPlanes<typename Real::Scalar>& planes, std::s
     }
 }
 
-#define GNOMON_INSTANTIATE(Real, Scalar)                                                                                  \
-    template struct PeerPlanes<Scalar>;                                                                                   \
-    template PeerPlanes<Scalar> make_peer_planes(const std::array<SetupVertex<Scalar>, 3>&, const Viewport&,              \
-                                                 const SetupState&);                                                      \
-    template void interpolate_as_peer<Real>(const PeerPlanes<Scalar>&, std::span<const Interpolation>, const PixelLanes&, \
-                                            const PeerPositions&, const Scalar*, Real*, Real&);
-GNOMON_INSTANTIATE(Float, float)
-GNOMON_INSTANTIATE(Double, double)
-#undef GNOMON_INSTANTIATE
+template struct PeerPlanes<float>;
+template struct PeerPlanes<double>;
+template PeerPlanes<float> make_peer_planes(const std::array<SetupVertex<float>, 3>&, const Viewport&, const SetupState&);
+template PeerPlanes<double> make_peer_planes(const std::array<SetupVertex<double>, 3>&, const Viewport&, const SetupState&);
+template void interpolate_as_peer<Float>(const PeerPlanes<float>&, std::span<const Interpolation>, const PixelLanes&,
+                                         const PeerPositions&, const float*, Float*, Float&);
+template void interpolate_as_peer<Double>(const PeerPlanes<double>&, std::span<const Interpolation>, const PixelLanes&,
+                                          const PeerPositions&, const double*, Double*, Double&);
 
 }  // namespace gnomon

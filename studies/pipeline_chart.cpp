@@ -210,6 +210,7 @@ ByteImage wireframe_panel(Device& device) {
     for (const scenes::Instance& instance : scene.instances) {
         const scenes::Mesh& mesh = scene.meshes[instance.mesh];
         std::vector<ChartVertex> corners;
+        corners.reserve(mesh.indices.size());
         for (const std::uint32_t index : mesh.indices)
             corners.push_back({mesh.vertices[index].position, mesh.vertices[index].normal});
         const ChartVertexFunctor vertex{
