@@ -1,5 +1,6 @@
 // D3D11.3 3.2.3, 19.1.2: what is fetched unmodified and written in the same format keeps every code.
 #include "pipeline/program.h"
+#include "sim/fixed.h"
 #include "tests/unit/pipeline_programs.h"
 #include "tests/unit/texunit_calls.h"
 
@@ -114,4 +115,20 @@ TEST_CASE("a full-screen copy keeps every code of every colour format", "[3.2.3]
                                          static_cast<int>(bytes[i])));
             }
         }
+}
+
+TEST_CASE("codes of 8 and 16 bits for every float in [0, 1]", "[.][sweep][3.2.3.6]") {
+    constexpr std::int32_t kOne = 0x3f800000;
+    for (const int bits : {8, 16}) {
+        std::uint64_t wrong = 0;
+        for (std::int32_t first = 0; first <= kOne; first += kLanes) {
+            const Float x = float_of_bits(Int(first) + lane_index());
+            const auto codes = unorm_from_float(x, bits).lanes();
+            const auto numbers = x.lanes();
+            for (std::size_t i = 0; i < numbers.size(); ++i)
+                if (static_cast<std::uint32_t>(codes[i]) != unorm_from_float(numbers[i], bits)) ++wrong;
+        }
+        INFO(bits << " bits");
+        CHECK(wrong == 0);
+    }
 }
