@@ -55,16 +55,16 @@ std::vector<Workload> make_workloads(int map) {
     const auto trilinear = peer::MapFilter::Trilinear;
     return {
         {"shadow-map nearest", "shadow-map", {.map_size = map}, depth(peer::Technique::ShadowMap, nearest, 1)},
-        {"pcf hardware bilinear", "pcf", {.map_size = map}, depth(peer::Technique::Pcf, bilinear, 1)},
-        {"pcf 3x3 nearest",
-         "pcf",
-         {.map_size = map, .filter = MapFilter::Nearest, .taps = 3},
-         depth(peer::Technique::Pcf, nearest, 3)},
-        {"pcf 3x3 bilinear", "pcf", {.map_size = map, .taps = 3}, depth(peer::Technique::Pcf, bilinear, 3)},
+        {"pcf hardware bilinear", "pcf-hw", {.map_size = map}, depth(peer::Technique::Pcf, bilinear, 1)},
+        {"pcf 3x3 nearest", "pcf", {.map_size = map}, depth(peer::Technique::Pcf, nearest, 3)},
+        {"pcf 3x3 bilinear", "pcf-bilinear", {.map_size = map}, depth(peer::Technique::Pcf, bilinear, 3)},
         {"vsm rg32f bilinear", "vsm", {.map_size = map, .filter = MapFilter::Bilinear}, vsm(MomentFormat::Rg32f, bilinear, 1)},
         {"vsm rg32f trilinear", "vsm", {.map_size = map}, vsm(MomentFormat::Rg32f, trilinear, 1)},
         {"vsm rg16f trilinear", "vsm", {.map_size = map, .format = Format::Rg16Float}, vsm(MomentFormat::Rg16f, trilinear, 1)},
-        {"vsm rg32f trilinear, blur 3", "vsm", {.map_size = map, .blur = 3}, vsm(MomentFormat::Rg32f, trilinear, 3)},
+        {"vsm rg32f trilinear, blur 3",
+         "vsm",
+         {.map_size = map, .set = {{"blur", "3"}}},
+         vsm(MomentFormat::Rg32f, trilinear, 3)},
         {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
     };
 }

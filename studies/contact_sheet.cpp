@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 /// A value of a report, in words; reports are files and so hold anything.
-std::string text_at(const Json& report, const char* pointer) {
+std::string text_at(const Json& report, const std::string& pointer) {
     const Json& value = report.at(Json::json_pointer(pointer));
     return value.is_string() ? value.get<std::string>() : value.dump();
 }
@@ -28,9 +28,13 @@ std::string text_at(const Json& report, const char* pointer) {
 double number_at(const Json& report, const char* pointer) { return report.at(Json::json_pointer(pointer)).get<double>(); }
 
 std::string settings_line(const Json& report) {
-    return fmt::format("map {}, {}, {}, taps {}, blur {}", text_at(report, "/configuration/map"),
-                       text_at(report, "/configuration/format"), text_at(report, "/configuration/filter"),
-                       text_at(report, "/configuration/taps"), text_at(report, "/configuration/blur"));
+    std::string text = fmt::format("map {}, {}, {}", text_at(report, "/configuration/map"),
+                                   text_at(report, "/configuration/format"), text_at(report, "/configuration/filter"));
+    const Json::json_pointer parameters("/configuration/parameters");
+    if (!report.contains(parameters) || !report.at(parameters).is_object()) return text;
+    for (const auto& [name, value] : report.at(parameters).items())
+        text += fmt::format(", {} {}", name, text_at(report, "/configuration/parameters/" + name));
+    return text;
 }
 
 std::vector<std::string> pictures_in(const fs::path& folder) {

@@ -44,12 +44,25 @@ std::vector<PassResult> make_passes(const techniques::PassTimer& timed, const te
 
 std::string hash_of(const Texture& texture) { return traces::xxh3_128_hex(texture.level_bytes(0)); }
 
+/// Level 0 of every slice of every map.
+std::string hash_of_maps(const Device& device, const std::vector<TextureId>& maps) {
+    std::vector<std::byte> all;
+    for (const TextureId id : maps) {
+        const Texture& texture = device.texture(id);
+        for (int slice = 0; slice < texture.desc().layers; ++slice) {
+            const std::vector<std::byte> bytes = texture.level_bytes(0, slice);
+            all.insert(all.end(), bytes.begin(), bytes.end());
+        }
+    }
+    return traces::xxh3_128_hex(all);
+}
+
 }  // namespace
 
 Experiment::Experiment(const RenderRequest& request) : request_(request) {
     check_size(request.width, request.height);
-    runs_ = plan_runs(request);
     profile_ = load_profile(request.profile);
+    runs_ = plan_runs(request, profile_);
     scene_ = find_scene(request.scene, request.file_options);
 
     // Find out now, not after minutes of other techniques, whether a map is too large.
@@ -114,7 +127,8 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                         .hashes = {.visibility = hash_of(device.texture(frame.visibility())),
                                    .depth = hash_of(device.texture(frame.depth())),
                                    .color = hash_of(device.texture(frame.color())),
-                                   .map = hash_of(device.texture(frame.map()))}};
+                                   .map = hash_of_maps(device, frame.maps())},
+                        .bytes_per_texel = techniques::storage_per_texel(plan.technique, plan.settings)};
     result.request.technique = plan.technique.name;
     if (request_.derivatives) {
         const auto bytes = device.texture(frame.derivatives()).level_bytes(0);

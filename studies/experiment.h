@@ -66,7 +66,7 @@ struct Hashes {
     std::string visibility;
     std::string depth;
     std::string color;
-    std::string map;  // the texture that receivers sample
+    std::string map;  // the textures that receivers sample, one after the other
 };
 
 /// Where it ran: nothing here may change a result.
@@ -94,9 +94,10 @@ struct RenderResult {
     std::vector<std::uint32_t> derivatives;  // DerivativeCause bits per pixel, row by row; empty unless asked for
     std::optional<Metrics> metrics;
     std::vector<PassResult> passes;
-    double frame_ms = 0;  // sum over the passes
-    double truth_ms = 0;  // ray tracing; shared by all techniques of an experiment
+    double frame_ms = 0;         // sum over the passes
+    double truth_ms = 0;         // ray tracing; shared by all techniques of an experiment
     Hashes hashes;
+    double bytes_per_texel = 0;  // of the map: techniques::storage_per_texel
 };
 
 class Experiment {
@@ -130,7 +131,7 @@ private:
 /// The built-in scene of this name, or the glTF file at this path. Throws Error that lists the names.
 scenes::Scene find_scene(const std::string& name_or_path, const scenes::GltfOptions& options);
 
-/// The techniques that a request means, with their settings. Throws Error as Experiment does.
-std::vector<PlannedRun> plan_runs(const RenderRequest& request);
+/// The techniques that a request means, with their settings for a machine. Throws Error as Experiment does.
+std::vector<PlannedRun> plan_runs(const RenderRequest& request, const Profile& profile);
 
 }  // namespace gnomon::studies

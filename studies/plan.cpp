@@ -3,56 +3,57 @@
 #include "studies/experiment.h"
 
 #include <algorithm>
+#include <functional>
 #include <system_error>
 
 namespace gnomon::studies {
 
 namespace {
 
-/// One optional choice: takes it out of a request, and puts it back.
+using techniques::TechniqueRequest;
+
+/// One choice that a technique may not offer: puts it into a request that lacks it.
 struct Choice {
-    void (*copy)(const techniques::TechniqueRequest& from, techniques::TechniqueRequest& to);
+    std::function<void(TechniqueRequest&)> add;
 };
 
-template <auto kMember>
-constexpr Choice choice() {
-    return {[](const techniques::TechniqueRequest& from, techniques::TechniqueRequest& to) { to.*kMember = from.*kMember; }};
+/// Splits a request into what goes for every technique and the choices that may not.
+std::pair<TechniqueRequest, std::vector<Choice>> split(const TechniqueRequest& wanted) {
+    TechniqueRequest always = wanted;
+    always.format.reset();
+    always.filter.reset();
+    always.anisotropy.reset();
+    always.set.clear();
+    std::vector<Choice> choices;
+    if (wanted.format) choices.push_back({[format = wanted.format](TechniqueRequest& r) { r.format = format; }});
+    if (wanted.filter) choices.push_back({[filter = wanted.filter](TechniqueRequest& r) { r.filter = filter; }});
+    if (wanted.anisotropy) choices.push_back({[limit = wanted.anisotropy](TechniqueRequest& r) { r.anisotropy = limit; }});
+    for (const auto& text : wanted.set) choices.push_back({[text](TechniqueRequest& r) { r.set.push_back(text); }});
+    return {always, choices};
 }
 
-/// Every choice that a technique may not offer.
-constexpr std::array kChoices{choice<&techniques::TechniqueRequest::format>(), choice<&techniques::TechniqueRequest::filter>(),
-                              choice<&techniques::TechniqueRequest::taps>(), choice<&techniques::TechniqueRequest::blur>(),
-                              choice<&techniques::TechniqueRequest::min_variance>()};
-
 /// All techniques; a choice that one of them does not offer leaves its default there.
-std::vector<PlannedRun> plan_all(const techniques::TechniqueRequest& wanted) {
-    const techniques::TechniqueRequest always{.map_size = wanted.map_size,
-                                              .format = {},
-                                              .filter = {},
-                                              .taps = {},
-                                              .blur = {},
-                                              .min_variance = {},
-                                              .depth_bias = wanted.depth_bias,
-                                              .slope_bias = wanted.slope_bias};
-    std::array<bool, kChoices.size()> taken{};
-    std::array<std::string, kChoices.size()> refusals;
+std::vector<PlannedRun> plan_all(const TechniqueRequest& wanted, const Profile& profile) {
+    const auto [always, choices] = split(wanted);
+    std::vector<std::string> refusals(choices.size());  // the first one
+    std::vector<bool> taken(choices.size(), false);
     std::vector<PlannedRun> runs;
     for (const techniques::Technique& technique : techniques::all_techniques()) {
-        techniques::TechniqueRequest request = always;
-        for (std::size_t i = 0; i < kChoices.size(); ++i) {
-            techniques::TechniqueRequest alone = always;
-            kChoices[i].copy(wanted, alone);
+        TechniqueRequest request = always;
+        for (std::size_t i = 0; i < choices.size(); ++i) {
+            TechniqueRequest more = request;
+            choices[i].add(more);
             try {
-                (void)techniques::resolve_settings(technique, alone);
-                kChoices[i].copy(wanted, request);
+                (void)techniques::resolve_settings(technique, more, profile);
+                request = more;
                 taken[i] = true;
             } catch (const Error& error) {
                 if (refusals[i].empty()) refusals[i] = error.what();
             }
         }
-        runs.push_back({technique, techniques::resolve_settings(technique, request)});
+        runs.push_back({technique, techniques::resolve_settings(technique, request, profile)});
     }
-    for (std::size_t i = 0; i < kChoices.size(); ++i)
+    for (std::size_t i = 0; i < choices.size(); ++i)
         if (!taken[i]) throw Error(refusals[i]);
     return runs;
 }
@@ -77,10 +78,10 @@ scenes::Scene find_scene(const std::string& name_or_path, const scenes::GltfOpti
     return scenes::load_gltf(name_or_path, options);
 }
 
-std::vector<PlannedRun> plan_runs(const RenderRequest& request) {
-    if (request.technique == "all") return plan_all(request.choices);
+std::vector<PlannedRun> plan_runs(const RenderRequest& request, const Profile& profile) {
+    if (request.technique == "all") return plan_all(request.choices, profile);
     const techniques::Technique& technique = techniques::find_technique(request.technique);
-    return {{technique, techniques::resolve_settings(technique, request.choices)}};
+    return {{technique, techniques::resolve_settings(technique, request.choices, profile)}};
 }
 
 }  // namespace gnomon::studies

@@ -9,6 +9,19 @@ namespace {
 using traces::Json;
 using traces::json_of;
 
+/// By name; words as words.
+Json parameters_json(const techniques::ParameterValues& values) {
+    Json json = Json::object();
+    for (const auto& [parameter, value, is_set] : values.entries()) {
+        if (parameter.kind == techniques::ParameterKind::Word) {
+            json[std::string(parameter.name)] = techniques::text_of(parameter, value);
+        } else {
+            json[std::string(parameter.name)] = value;
+        }
+    }
+    return json;
+}
+
 Json configuration_json(const RenderResult& result) {
     const RenderRequest& request = result.request;
     Json json;
@@ -20,11 +33,9 @@ Json configuration_json(const RenderResult& result) {
     json["size"] = {request.width, request.height};
     json["format"] = name_of(result.settings.format);
     json["filter"] = name_of(result.settings.filter);
-    // null: the technique does not take the option
-    const techniques::Technique& technique = techniques::find_technique(request.technique);
-    json["taps"] = technique.max_taps > 0 ? Json(result.settings.taps) : Json();
-    json["blur"] = technique.max_blur > 0 ? Json(result.settings.blur) : Json();
-    json["min_variance"] = technique.default_min_variance > 0 ? json_of(result.settings.min_variance) : Json();
+    json["map_samples"] = result.settings.map_samples;
+    json["aniso"] = result.settings.anisotropy;
+    json["parameters"] = parameters_json(result.settings.parameters);
     json["depth_bias"] = result.settings.depth_bias;
     json["slope_bias"] = json_of(result.settings.slope_bias);
     json["reference"] = name_of(request.truth);
@@ -82,6 +93,7 @@ std::string report_json(const RenderResult& result) {
     json["configuration"] = configuration_json(result);
     json["scene"] = {
         {"triangles", result.scene.triangles}, {"meshes", result.scene.meshes}, {"instances", result.scene.instances}};
+    json["map_bytes_per_texel"] = result.bytes_per_texel;
     json["metrics"] = result.metrics ? fields_json(*result.metrics) : Json();
     json["counters"] = counters_json(result);
     json["traffic"] = traffic_json(result);

@@ -28,9 +28,10 @@ std::string settings_text(const RenderResult& result) {
     std::string text = fmt::format("{}, map {}, {}, {}", technique.name, settings.map_size, name_of(settings.format),
                                    name_of(settings.filter));
     auto out = std::back_inserter(text);
-    if (technique.max_taps > 0) fmt::format_to(out, ", taps {}", settings.taps);
-    if (technique.max_blur > 0) fmt::format_to(out, ", blur {}", settings.blur);
-    if (technique.default_min_variance > 0.0f) fmt::format_to(out, ", min variance {}", settings.min_variance);
+    if (settings.map_samples > 1) fmt::format_to(out, ", {} samples", settings.map_samples);
+    if (settings.anisotropy > 1) fmt::format_to(out, ", aniso {}", settings.anisotropy);
+    for (const auto& [parameter, value, is_set] : settings.parameters.entries())
+        fmt::format_to(out, ", {} {}", parameter.name, techniques::text_of(parameter, value));
     if (settings.depth_bias != 0) fmt::format_to(out, ", depth bias {}", settings.depth_bias);
     if (settings.slope_bias != 0.0f) fmt::format_to(out, ", slope bias {}", settings.slope_bias);
     return text;

@@ -31,7 +31,7 @@ public:
     [[nodiscard]] TextureId color() const { return color_; }            // rgba8unorm, encoded with gamma 2
     [[nodiscard]] TextureId visibility() const { return visibility_; }  // r32f, [0, 1]; kNoSurface where nothing was drawn
     [[nodiscard]] TextureId depth() const { return depth_; }            // d32f
-    [[nodiscard]] TextureId map() const { return passes_->map(); }
+    [[nodiscard]] std::vector<TextureId> maps() const { return passes_->maps(); }  // what receivers sample
     /// r32ui, per pixel what the derivatives of the fragment in front were taken over (DerivativeCause); None before
     /// render_derivatives().
     [[nodiscard]] TextureId derivatives() const { return derivatives_; }

@@ -3,45 +3,35 @@
 #include "pipeline/program.h"
 #include "sim/scalar_math.h"
 
+#include <cmath>
+
 namespace gnomon::techniques {
 
-std::array<float, kMaxBlurTaps> gaussian_weights(int taps) {
+GaussianKernel gaussian_kernel(double width) {
+    GNOMON_CHECK_LE(1.0, width);
+    const int taps = 1 + 2 * static_cast<int>(std::ceil(0.5 * (width - 1.0)));
+    GNOMON_CHECK_LE(taps, kMaxBlurTaps);
+    const double sigma = taps > 1 ? 0.25 * (width - 1.0) : 1.0;
     std::array<double, kMaxBlurTaps> exact{};
-    const double sigma = taps > 1 ? 0.25 * (taps - 1) : 1.0;
     double sum = 0;
     for (int i = 0; i < taps; ++i) {
         const double x = (i - taps / 2) / sigma;
         exact[static_cast<std::size_t>(i)] = scalar::exp(-0.5 * x * x);
         sum += exact[static_cast<std::size_t>(i)];
     }
-    std::array<float, kMaxBlurTaps> weights{};
-    for (std::size_t i = 0; i < weights.size(); ++i) weights[i] = static_cast<float>(exact[i] / sum);
-    return weights;
+    GaussianKernel kernel{.taps = taps};
+    for (std::size_t i = 0; i < kernel.weights.size(); ++i) kernel.weights[i] = static_cast<float>(exact[i] / sum);
+    return kernel;
 }
 
-GaussianPass::GaussianPass(Device& device, int taps) : taps_(taps), weights_(gaussian_weights(taps)) {
-    constexpr std::array<float, 6> kCorners{-1.0f, 1.0f, 3.0f, 1.0f, -1.0f, -3.0f};
-    triangle_ = device.create_buffer("full screen", std::as_bytes(std::span(kCorners)));
-}
-
-void GaussianPass::run(Device& device, TextureId texture, TextureId scratch) const {
+void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch) {
     static const Program program = make_program<FullScreenVertex, GaussianBlur>("gaussian-blur");
-    const glm::vec2 texel{1.0f / static_cast<float>(device.texture(texture).width(0)),
-                          1.0f / static_cast<float>(device.texture(texture).height(0))};
-    const auto blur = [&](std::string_view label, TextureId from, TextureId to, glm::vec2 step) {
-        const FullScreenVertex vertex;
-        const GaussianBlur pixel{.source = from, .step = step, .taps = taps_, .weights = weights_};
-        Draw draw{.label = label,
-                  .program = &program,
-                  .vertex_constants = constants_of(vertex),
-                  .pixel_constants = constants_of(pixel),
-                  .vertices = triangle_,
-                  .count = 3};
-        draw.color[0] = to;
-        device.execute(draw);
-    };
-    blur("blur rows", texture, scratch, {texel.x, 0.0f});
-    blur("blur columns", scratch, texture, {0.0f, texel.y});
+    GaussianBlur rows{.source = texture.texture, .slice = texture.first_layer, .taps = kernel.taps, .weights = kernel.weights};
+    const std::array<TargetView, 1> to_scratch{scratch};
+    full_screen.run("blur rows", program, rows, to_scratch);
+    GaussianBlur columns{.source = scratch, .columns = 1, .taps = kernel.taps, .weights = kernel.weights};
+    const std::array<TargetView, 1> to_texture{texture};
+    full_screen.run("blur columns", program, columns, to_texture);
 }
 
 }  // namespace gnomon::techniques

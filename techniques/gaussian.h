@@ -1,63 +1,49 @@
 // Separable Gaussian blur of a texture: two full-screen passes. [Donnelly06] section 4, step 2
 #pragma once
 
-#include "pipeline/device.h"
-#include "pipeline/fragment.h"
-#include "pipeline/vertex_stage.h"
+#include "techniques/full_screen.h"
 
 #include <array>
 
 namespace gnomon::techniques {
 
-inline constexpr int kMaxBlurTaps = 31;
+inline constexpr int kMaxBlurTaps = 63;
 
-/// Weights of `taps` (odd) samples one texel apart, summing to 1. The papers give no width; sigma = (taps - 1) / 4 puts the
-/// outermost tap at two sigma. Entries beyond `taps` are 0.
-std::array<float, kMaxBlurTaps> gaussian_weights(int taps);
-
-/// A triangle that covers the target, from clip-space positions.
-struct FullScreenVertex {
-    template <class Real>
-    struct Input {
-        Real x, y;
-    };
-    template <class Real>
-    using Varyings = NoVaryings<Real>;
-
-    float depth = 0.0f;
-
-    static constexpr auto fields() { return std::tuple{Field{"depth", &FullScreenVertex::depth}}; }
-
-    template <class V>
-    auto operator()(const V& v) const {
-        using Real = typename V::Real;
-        return VertexOutput{Vec4<Real>{v.in.x, v.in.y, Real(depth), Real(1.0f)}, NoVaryings<Real>{}};
-    }
+/// Weights of `taps` samples one texel apart that sum to 1; entries beyond them are 0.
+struct GaussianKernel {
+    int taps = 1;  // odd, up to kMaxBlurTaps
+    std::array<float, kMaxBlurTaps> weights{1.0f};
 };
 
-/// Weighted sum of a row or column of texels, clamped at the edges.
+/// The papers give no width; sigma = (width - 1) / 4 puts the outermost tap of an odd `width` at two sigma. A width in between,
+/// as where a kernel is scaled with the resolution of its map, takes as many taps as the next odd one. `width` >= 1.
+GaussianKernel gaussian_kernel(double width);
+
+/// Weighted sum of a row or column of texels of one slice, clamped at the edges.
 struct GaussianBlur {
     TextureId source = TextureId::None;
-    Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest};
-    glm::vec2 step{0.0f};  // to the next tap, normalised coordinates
-    int taps = 1;          // odd
+    int slice = 0;
+    int columns = 0;  // 1: sums along a column of texels, else along a row
+    int taps = 1;     // odd
     std::array<float, kMaxBlurTaps> weights{};
 
     static constexpr auto fields() {
         using G = GaussianBlur;
-        return std::tuple{Field{"source", &G::source}, Field{"sampler", &G::sampler}, Field{"step", &G::step},
+        return std::tuple{Field{"source", &G::source}, Field{"slice", &G::slice}, Field{"columns", &G::columns},
                           Field{"taps", &G::taps}, Field{"weights", &G::weights}};
     }
 
     template <class F>
     auto operator()(const F& f) const {
         using Real = typename F::Real;
-        const Real u = f.position.x * Real(1.0f / static_cast<float>(f.size(source).x));
-        const Real v = f.position.y * Real(1.0f / static_cast<float>(f.size(source).y));
+        const Vec2<Int> at = pixel_of(f);
+        const glm::ivec2 last = f.size(source) - 1;
         Vec4<Real> sum{Real(0.0f), Real(0.0f), Real(0.0f), Real(0.0f)};
         for (int i = 0; i < taps; ++i) {
-            const auto offset = static_cast<float>(i - taps / 2);
-            const Vec4<Real> texel = f.sample(source, sampler, {u + Real(offset * step.x), v + Real(offset * step.y)});
+            const Int offset(i - taps / 2);
+            const Int x = columns != 0 ? at.x : clamp(at.x + offset, Int(0), Int(last.x));
+            const Int y = columns != 0 ? clamp(at.y + offset, Int(0), Int(last.y)) : at.y;
+            const Vec4<Real> texel = f.load(source, x, y, {.level = 0, .layer = slice});
             const Real weight(weights[static_cast<std::size_t>(i)]);
             sum = {sum.x + texel.x * weight, sum.y + texel.y * weight, sum.z + texel.z * weight, sum.w + texel.w * weight};
         }
@@ -65,16 +51,7 @@ struct GaussianBlur {
     }
 };
 
-/// Blurs level 0 of `texture` in place, through `scratch` (same size and format).
-class GaussianPass {
-public:
-    GaussianPass(Device& device, int taps);
-    void run(Device& device, TextureId texture, TextureId scratch) const;
-
-private:
-    BufferId triangle_;
-    int taps_;
-    std::array<float, kMaxBlurTaps> weights_;
-};
+/// Blurs level 0 of one slice of `texture` in place, through `scratch` (same size and format, one slice).
+void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch);
 
 }  // namespace gnomon::techniques

@@ -96,6 +96,12 @@ auto map_position(const F& f) {
     return MapPosition<Real>{at.uv, at.depth, inside};
 }
 
+/// One comparison sample of a map of depths.
+template <class F, class Real = typename F::Real>
+Real compare_sample(const F& f, TextureId map, const Sampler& sampler, const MapPosition<Real>& at) {
+    return f.sample_compare(map, sampler, at.uv, at.depth);
+}
+
 /// Colour and visibility of a fragment. Outside the light's frustum nothing is known to be in shadow.
 template <class F, class Real = typename F::Real>
 ReceiverColors<Real> shade(const F& f, const Lighting& lighting, Mask inside, const Real& map_visibility) {

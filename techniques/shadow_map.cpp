@@ -1,19 +1,20 @@
 #include "techniques/shadow_map.h"
 
 #include "pipeline/program.h"
-#include "techniques/depth_map_passes.h"
+#include "techniques/depth_map.h"
 
 namespace gnomon::techniques {
 
 namespace {
 
-constexpr std::array kMapFormats{Format::D32Float, Format::D24, Format::D16};
-constexpr std::array kMapFilters{MapFilter::Nearest};
+constexpr std::array kFormats{Format::D32Float, Format::D24, Format::D16};
+constexpr std::array kNearest{MapFilter::Nearest};
+constexpr std::array kBilinear{MapFilter::Bilinear};
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    static const Program program = make_program<ReceiverVertex, ShadowMapReceiver>("shadow-map.receive");
-    const ShadowMapReceiver receiver{.sampler = {.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest}};
-    return std::make_unique<DepthMapPasses<ShadowMapReceiver>>(device, settings, program, receiver);
+    static const Program program = make_program<ReceiverVertex, CompareReceiver>("shadow-map.receive");
+    return std::make_unique<DepthMapPasses<CompareReceiver>>(device, settings, program,
+                                                             CompareReceiver{.sampler = compare_sampler(settings)});
 }
 
 }  // namespace
@@ -21,10 +22,19 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
 const Technique kShadowMap{.name = "shadow-map",
                            .summary = "one nearest-texel depth comparison",
                            .source = "[Donnelly06] section 4 method 1, [Williams78]",
-                           .formats = kMapFormats,
-                           .filters = kMapFilters,
-                           .default_taps = 0,
+                           .formats = kFormats,
+                           .filters = kNearest,
+                           .parameters = depth_map_parameters(),
                            .default_slope_bias = 2.0f,
                            .make = make};
+
+const Technique kPcfHardware{.name = "pcf-hw",
+                             .summary = "the texture unit's bilinear filter of 2x2 comparisons",
+                             .source = "[Donnelly06] section 4 method 2",
+                             .formats = kFormats,
+                             .filters = kBilinear,
+                             .parameters = depth_map_parameters(),
+                             .default_slope_bias = 3.0f,
+                             .make = make};
 
 }  // namespace gnomon::techniques

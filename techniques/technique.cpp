@@ -1,6 +1,6 @@
 #include "techniques/technique.h"
 
-#include "techniques/gaussian.h"
+#include "sim/warn.h"
 #include "techniques/pcf.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
@@ -30,10 +30,36 @@ E choose(const std::optional<E>& wanted, std::span<const E> offered, std::string
     return *wanted;
 }
 
+/// Throws Error unless the profile can render to so many samples.
+void check_samples(int samples, const Profile& profile) {
+    if (samples < 1 || samples > profile.max_samples || (samples & (samples - 1)) != 0)
+        fail("--map-samples {}: expected 1, 2, 4, 8 or 16, and for profile {} up to {}", samples, profile.name,
+             profile.max_samples);
+}
+
+MapFilter choose_filter(const Technique& technique, const TechniqueRequest& request, Format format, const Profile& profile) {
+    const MapFilter wanted = choose(request.filter, technique.filters, "--filter", technique.name);
+    const FormatInfo& info = format_info(format);
+    const auto is_possible = [&](MapFilter filter) {
+        const bool in_unit = filter == MapFilter::Bilinear || filter == MapFilter::Trilinear;
+        return !in_unit || info.is_depth || filters_format(info, profile);
+    };
+    if (is_possible(wanted)) return wanted;
+    if (request.filter)
+        fail("--filter {}: profile {} does not filter {}; expected shader-bilinear, nearest, or another --format",
+             name_of(wanted), profile.name, info.name);
+    const auto other = std::ranges::find_if(technique.filters, is_possible);
+    if (other == technique.filters.end())
+        fail("{}: profile {} does not filter {}; expected another --format", technique.name, profile.name, info.name);
+    warn_once(
+        fmt::format("{}: profile {} does not filter {}: filter {}", technique.name, profile.name, info.name, name_of(*other)));
+    return *other;
+}
+
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcf, kVsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm};
     return techniques;
 }
 
@@ -47,43 +73,36 @@ const Technique& find_technique(std::string_view name) {
     fail("technique '{}': not known; expected one of {}", name, names);
 }
 
-void check_filter(const Profile& profile, const TechniqueSettings& settings) {
-    const FormatInfo& format = format_info(settings.format);
-    if (settings.filter != MapFilter::Nearest && !filters_format(format, profile))
-        fail("--filter {}: profile {} does not filter {}; expected nearest, or another --format", name_of(settings.filter),
-             profile.name, format.name);
-}
-
-TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request) {
+TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request, const Profile& profile) {
     if (request.map_size < 1 || request.map_size > kMaxTextureSize)
         fail("--map {}: expected 1 to {} texels", request.map_size, kMaxTextureSize);
-    TechniqueSettings settings{.map_size = request.map_size,
-                               .format = choose(request.format, technique.formats, "--format", technique.name),
-                               .filter = choose(request.filter, technique.filters, "--filter", technique.name),
-                               .taps = technique.default_taps,
-                               .blur = 1,
-                               .min_variance = technique.default_min_variance,
-                               .depth_bias = request.depth_bias.value_or(technique.default_depth_bias),
-                               .slope_bias = request.slope_bias.value_or(technique.default_slope_bias)};
-    if (request.taps) {
-        if (technique.max_taps == 0) fail("--taps {}: {} takes no taps", *request.taps, technique.name);
-        if (*request.taps < 1 || *request.taps > technique.max_taps)
-            fail("--taps {}: expected 1 to {} per axis", *request.taps, technique.max_taps);
-        settings.taps = *request.taps;
+    const Format format = choose(request.format, technique.formats, "--format", technique.name);
+    check_samples(request.map_samples, profile);
+    const MapFilter filter = choose_filter(technique, request, format, profile);
+    const int anisotropy = request.anisotropy.value_or(technique.default_anisotropy);
+    if (anisotropy < 1 || anisotropy > 16) fail("--aniso {}: expected 1 to 16", anisotropy);
+    if (anisotropy > 1 && filter == MapFilter::ShaderBilinear)
+        fail("--aniso {}: {} is one sample in the shader; expected 1", anisotropy, name_of(filter));
+    return {.map_size = request.map_size,
+            .map_samples = request.map_samples,
+            .format = format,
+            .filter = filter,
+            .anisotropy = anisotropy,
+            .depth_bias = request.depth_bias.value_or(technique.default_depth_bias),
+            .slope_bias = request.slope_bias.value_or(technique.default_slope_bias),
+            .parameters = ParameterValues(technique.name, technique.parameters, request.set)};
+}
+
+double storage_per_texel(const Technique& technique, const TechniqueSettings& settings) {
+    Device device(Profile{}, 1);
+    const auto passes = technique.make(device, settings);
+    double bits = 0;
+    for (const TextureId id : passes->maps()) {
+        const Texture& texture = device.texture(id);
+        const double texels = 1.0 * texture.width(0) * texture.height(0) * texture.desc().layers;
+        bits += texels * texture.info().components * texture.info().bits_per_component;
     }
-    if (request.blur) {
-        if (technique.max_blur == 0) fail("--blur {}: {} cannot be blurred before filtering", *request.blur, technique.name);
-        if (*request.blur < 1 || *request.blur > technique.max_blur || *request.blur % 2 == 0)
-            fail("--blur {}: expected an odd number of taps from 1 to {}", *request.blur, technique.max_blur);
-        settings.blur = *request.blur;
-    }
-    if (request.min_variance) {
-        if (technique.default_min_variance == 0.0f) fail("--min-variance: {} has no variance", technique.name);
-        if (!(*request.min_variance >= 0.0f && *request.min_variance <= 1.0f))
-            fail("--min-variance {}: expected 0 to 1", *request.min_variance);
-        settings.min_variance = *request.min_variance;
-    }
-    return settings;
+    return bits / (8.0 * settings.map_size * settings.map_size);
 }
 
 }  // namespace gnomon::techniques

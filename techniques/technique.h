@@ -3,6 +3,7 @@
 
 #include "pipeline/device.h"
 #include "scenes/view.h"
+#include "techniques/parameters.h"
 #include "techniques/pass_timer.h"
 #include "techniques/receiver.h"
 #include "techniques/scene_resources.h"
@@ -16,15 +17,21 @@
 namespace gnomon::techniques {
 
 /// How the shadow map is filtered.
-enum class MapFilter { Nearest, Bilinear, Trilinear };
+enum class MapFilter {
+    Nearest,
+    Bilinear,
+    Trilinear,
+    ShaderBilinear,  // bilinear, by the shader from four texels: for formats that the texture unit does not filter
+};
 
 }  // namespace gnomon::techniques
 
 namespace gnomon {
 template <>
-inline constexpr std::array kEnumNames<techniques::MapFilter>{EnumName{techniques::MapFilter::Nearest, "nearest"},
-                                                              EnumName{techniques::MapFilter::Bilinear, "bilinear"},
-                                                              EnumName{techniques::MapFilter::Trilinear, "trilinear"}};
+inline constexpr std::array kEnumNames<techniques::MapFilter>{
+    EnumName{techniques::MapFilter::Nearest, "nearest"}, EnumName{techniques::MapFilter::Bilinear, "bilinear"},
+    EnumName{techniques::MapFilter::Trilinear, "trilinear"},
+    EnumName{techniques::MapFilter::ShaderBilinear, "shader-bilinear"}};
 }  // namespace gnomon
 
 namespace gnomon::techniques {
@@ -32,25 +39,28 @@ namespace gnomon::techniques {
 /// What a user may choose; what is left open takes the technique's default.
 struct TechniqueRequest {
     int map_size = 1024;  // texels per side, 1 to 16384
+    int map_samples = 1;  // per texel of the light pass
     std::optional<Format> format{};
     std::optional<MapFilter> filter{};
-    std::optional<int> taps{};            // per axis
-    std::optional<int> blur{};            // taps per axis of the pre-blur, odd; 1 is none
-    std::optional<float> min_variance{};  // of linear depth in [0, 1]
+    std::optional<int> anisotropy{};  // 1 to 16
     std::optional<int> depth_bias{};
     std::optional<float> slope_bias{};
+    ParameterTexts set{};
 };
 
 /// The choices after defaults, all checked.
 struct TechniqueSettings {
     int map_size = 1024;
+    int map_samples = 1;
     Format format = Format::D32Float;
     MapFilter filter = MapFilter::Nearest;
-    int taps = 1;
-    int blur = 1;
-    float min_variance = 0.0f;
+    int anisotropy = 1;  // limit of the ratio of a filter's axes
     int depth_bias = 0;  // rasteriser state of the light pass. D3D11.3 15.10
     float slope_bias = 0.0f;
+    ParameterValues parameters{};
+
+    /// The rasteriser of the light pass.
+    [[nodiscard]] RasterState light_raster() const { return {.depth_bias = depth_bias, .slope_scaled_depth_bias = slope_bias}; }
 };
 
 /// The passes of one technique on one device. Created once, run every frame.
@@ -66,8 +76,8 @@ public:
     [[nodiscard]] virtual const Program& receiver_program() const = 0;
     virtual std::span<const std::byte> receiver_constants(const Lighting& lighting) = 0;
 
-    /// The texture that receivers sample.
-    [[nodiscard]] virtual TextureId map() const = 0;
+    /// The textures that receivers sample.
+    [[nodiscard]] virtual std::vector<TextureId> maps() const = 0;
 };
 
 struct Technique {
@@ -76,10 +86,8 @@ struct Technique {
     std::string_view source;             // paper and section
     std::span<const Format> formats;     // first is the default
     std::span<const MapFilter> filters;  // first is the default
-    int default_taps = 1;                // 0: takes no --taps
-    int max_taps = 0;
-    int max_blur = 0;                   // 0: takes no --blur
-    float default_min_variance = 0.0f;  // 0: takes no --min-variance
+    std::vector<Parameter> parameters{};
+    int default_anisotropy = 1;
     int default_depth_bias = 0;
     float default_slope_bias = 0.0f;
     std::unique_ptr<ShadowPasses> (*make)(Device& device, const TechniqueSettings& settings) = nullptr;
@@ -91,11 +99,12 @@ std::span<const Technique> all_techniques();
 /// Throws Error that lists the names.
 const Technique& find_technique(std::string_view name);
 
-/// Fills in defaults; throws Error that names the option, the technique and what it takes.
-TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request);
+/// Fills in defaults for a machine; throws Error that names the option, the technique and what it takes. Where no filter is
+/// asked for and the profile does not filter the format, the first filter that it can do is taken, with a warning.
+TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request,
+                                   const Profile& profile = Profile{});
 
-/// Throws Error where the map is to be filtered and the profile does not filter its format: what the draw would say, before
-/// anything is drawn.
-void check_filter(const Profile& profile, const TechniqueSettings& settings);
+/// Bytes per texel of level 0 of what receivers sample: all components of all textures and slices of a technique.
+double storage_per_texel(const Technique& technique, const TechniqueSettings& settings);
 
 }  // namespace gnomon::techniques

@@ -30,17 +30,36 @@ void list_scenes() {
         fmt::print("  {:<14} {}\n  {:<14} {} triangles\n", scene.name, scene.summary, "", scene.make().triangle_count());
 }
 
-void list_techniques() {
-    fmt::print("techniques (--technique; 'all' is every one; defaults come first)\n");
+/// "rg32f 8, rg16f 4": bytes per texel of the map in each format.
+std::string storage_of(const techniques::Technique& technique) {
+    std::string all;
+    for (const Format format : technique.formats) {
+        const auto settings = techniques::resolve_settings(technique, {.map_size = 64, .format = format});
+        all += fmt::format("{}{} {:g}", all.empty() ? "" : ", ", name_of(format),
+                           techniques::storage_per_texel(technique, settings));
+    }
+    return all;
+}
+
+void list_techniques(bool verbose) {
+    fmt::print("techniques (--technique; 'all' is every one; defaults come first{})\n",
+               verbose ? "" : "; --verbose explains the parameters");
     for (const techniques::Technique& t : techniques::all_techniques()) {
         fmt::print("  {:<14} {}\n", t.name, t.summary);
         fmt::print("  {:<14} source   {}\n", "", t.source);
-        fmt::print("  {:<14} --format {}\n", "", joined(t.formats));
-        fmt::print("  {:<14} --filter {}\n", "", joined(t.filters));
-        if (t.max_taps > 0) fmt::print("  {:<14} --taps {} (1 to {} per axis)\n", "", t.default_taps, t.max_taps);
-        if (t.max_blur > 0) fmt::print("  {:<14} --blur 1 (odd, up to {} per axis)\n", "", t.max_blur);
-        if (t.default_min_variance > 0.0f) fmt::print("  {:<14} --min-variance {}\n", "", t.default_min_variance);
+        fmt::print("  {:<14} --format {} (bytes per texel of the map)\n", "", storage_of(t));
+        fmt::print("  {:<14} --filter {}; --aniso {} (1 to 16)\n", "", joined(t.filters), t.default_anisotropy);
         fmt::print("  {:<14} --depth-bias {}, --slope-bias {}\n", "", t.default_depth_bias, t.default_slope_bias);
+        if (!verbose) {
+            std::string set;
+            for (const techniques::Parameter& p : t.parameters)
+                set += fmt::format("{}{}={}", set.empty() ? "" : ", ", p.name, techniques::text_of(p, p.standard));
+            if (!set.empty()) fmt::print("  {:<14} --set    {}\n", "", set);
+            continue;
+        }
+        for (const techniques::Parameter& p : t.parameters)
+            fmt::print("  {:<14} --set {}={}: {}; {}\n", "", p.name, techniques::text_of(p, p.standard), p.summary,
+                       techniques::range_of(p));
     }
 }
 
@@ -77,7 +96,7 @@ void list(const ListOptions& options) {
     const bool everything = options.what.empty();
     const auto chosen = [&](std::string_view name) { return everything || options.what == name; };
     if (chosen("scenes")) list_scenes();
-    if (chosen("techniques")) list_techniques();
+    if (chosen("techniques")) list_techniques(options.verbose);
     if (chosen("profiles")) list_profiles(options.verbose);
     if (chosen("formats")) list_formats();
 }
@@ -89,7 +108,8 @@ void add_list(CLI::App& app) {
     const auto options = std::make_shared<ListOptions>();
     command->add_option("what", options->what, "scenes, techniques, profiles or formats; all of them without it")
         ->type_name("WHAT");
-    command->add_flag("--verbose", options->verbose, "Print every field of every profile, how certain it is and who says so");
+    command->add_flag("--verbose", options->verbose,
+                      "Explain every parameter of every technique, and every field of every profile with its source");
     command->callback([options] {
         constexpr std::array<std::string_view, 5> kWhat{"", "scenes", "techniques", "profiles", "formats"};
         if (std::ranges::find(kWhat, options->what) == kWhat.end())

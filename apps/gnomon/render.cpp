@@ -24,6 +24,7 @@ struct RenderOptions {
     studies::RenderRequest request;
     std::string out;
     std::string log_commands;
+    std::vector<std::string> set;  // "name=value"
     bool counters = false;
 };
 
@@ -106,7 +107,19 @@ void render_all(studies::Experiment& experiment, const RenderOptions& options) {
     fmt::print("{}", studies::comparison_text(results));
 }
 
-void render(const RenderOptions& options) {
+/// "name=value", name by name. Throws Error.
+techniques::ParameterTexts parse_set(const std::vector<std::string>& texts) {
+    techniques::ParameterTexts set;
+    for (const std::string& text : texts) {
+        const std::size_t equals = text.find('=');
+        if (equals == 0 || equals == std::string::npos) fail("--set {}: expected NAME=VALUE", text);
+        set.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    }
+    return set;
+}
+
+void render(RenderOptions& options) {
+    options.request.choices.set = parse_set(options.set);
     if (options.request.technique == "all" && !options.log_commands.empty())
         fail("--log-commands: records one technique, not all of them");
     catch_stop_signals();
@@ -167,14 +180,19 @@ void add_technique_options(CLI::App& command, RenderOptions& options) {
         [&choices](const std::string& text) { choices.map_size = parse_int(text, "--map", 1, kMaxTextureSize); });
     add("--format", "F", "Texel format of the map (gnomon list formats)",
         [&choices](const std::string& text) { choices.format = enum_from_name<Format>(text, "--format"); });
-    add("--filter", "KIND", "How the map is filtered: nearest, bilinear or trilinear",
+    add("--filter", "KIND", "How the map is filtered: nearest, bilinear, trilinear or shader-bilinear",
         [&choices](const std::string& text) { choices.filter = enum_from_name<techniques::MapFilter>(text, "--filter"); });
-    add("--taps", "N", "Samples per axis",
-        [&choices](const std::string& text) { choices.taps = parse_int(text, "--taps", 1, kMaxTextureSize); });
-    add("--blur", "N", "Taps per axis of the Gaussian blur of the map; odd, 1 is none",
-        [&choices](const std::string& text) { choices.blur = parse_int(text, "--blur", 1, kMaxTextureSize); });
-    add("--min-variance", "X", "Least variance of linear depth in [0, 1]",
-        [&choices](const std::string& text) { choices.min_variance = parse_number(text, "--min-variance"); });
+    add("--aniso", "N", "Limit of the anisotropy of the filter, 1 to 16",
+        [&choices](const std::string& text) { choices.anisotropy = parse_int(text, "--aniso", 1, 16); });
+    add("--map-samples", "N", "Samples per texel of the light pass, 1 to 16 [1]",
+        [&choices](const std::string& text) { choices.map_samples = parse_int(text, "--map-samples", 1, 16); });
+    command
+        .add_option("--set", options.set, "A parameter of the technique (gnomon list techniques --verbose); may be repeated")
+        ->type_name("NAME=VALUE")
+        ->group(kGroup);
+    for (const char* name : {"taps", "blur", "min-variance"})
+        add(fmt::format("--{}", name), "X", fmt::format("Short for --set {}=X", name),
+            [&options, name](const std::string& text) { options.set.push_back(fmt::format("{}={}", name, text)); });
     add("--depth-bias", "N", "Depth bias of the light pass, in steps of the depth format", [&choices](const std::string& text) {
         choices.depth_bias = parse_int(text, "--depth-bias", std::numeric_limits<int>::min(), std::numeric_limits<int>::max());
     });

@@ -52,10 +52,13 @@ void fingerprint_frame(const scenes::Scene& scene, std::string_view technique, c
     techniques::PassTimer timer(device);
     frame.render(timer);
 
-    const std::string name = fmt::format("{}/{}/{}/{}/blur{}/{}", scene.name, technique, name_of(desc.settings.format),
-                                         name_of(desc.settings.filter), desc.settings.blur, profile);
+    std::string set;
+    for (const auto& [key, value] : request.set) set += fmt::format("/{}={}", key, value);
+    const std::string name =
+        fmt::format("{}/{}/{}/{}/x{}/aniso{}{}/{}", scene.name, technique, name_of(desc.settings.format),
+                    name_of(desc.settings.filter), desc.settings.map_samples, desc.settings.anisotropy, set, profile);
     for (const auto& [part, id] : {std::pair{"color", frame.color()}, std::pair{"visibility", frame.visibility()},
-                                   std::pair{"depth", frame.depth()}, std::pair{"map", frame.map()}}) {
+                                   std::pair{"depth", frame.depth()}, std::pair{"map", frame.maps().front()}}) {
         const Texture& texture = device.texture(id);
         std::vector<std::byte> bytes;
         for (int level = 0; level < texture.desc().levels; ++level) {
@@ -226,8 +229,9 @@ int main(int argc, char** argv) {
                                       threads);
             fingerprint_frame(scene, technique.name, {.map_size = 251}, "ideal", threads);
         }
-        fingerprint_frame(scene, "vsm", {.map_size = 251, .format = Format::Rg16Unorm, .blur = 5}, "d3d11", threads);
-        fingerprint_frame(scene, "pcf", {.map_size = 256, .taps = 3}, "d3d11", threads);
+        fingerprint_frame(scene, "vsm", {.map_size = 251, .format = Format::Rg16Unorm, .set = {{"blur", "5"}}}, "d3d11",
+                          threads);
+        fingerprint_frame(scene, "pcf", {.map_size = 256, .set = {{"weights", "gaussian"}}}, "d3d11", threads);
         for (const char* driver : {"llvmpipe", "swiftshader"})
             fingerprint_frame(scene, "vsm", {.map_size = 251}, driver, threads);
     }

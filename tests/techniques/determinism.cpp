@@ -33,7 +33,11 @@ Picture render(std::string_view technique, const TechniqueRequest& request, std:
     PassTimer timer(device);
     frame.render(timer);
     return {device.texture(frame.color()).level_bytes(0), device.texture(frame.visibility()).level_bytes(0),
-            device.texture(frame.depth()).level_bytes(0), device.texture(frame.map()).level_bytes(0)};
+            device.texture(frame.depth()).level_bytes(0), device.texture(frame.maps().front()).level_bytes(0)};
+}
+
+bool takes(const Technique& technique, std::string_view parameter) {
+    return std::ranges::find(technique.parameters, parameter, &Parameter::name) != technique.parameters.end();
 }
 
 /// Shares of visibilities 0, 1 and between.
@@ -59,7 +63,7 @@ TEST_CASE("every technique and format: same bytes for 1, 2 and 8 threads", "[tec
         for (const Format format : technique.formats) {
             INFO(technique.name << " " << name_of(format));
             TechniqueRequest request{.map_size = 256, .format = format};
-            if (technique.max_blur > 0) request.blur = 5;
+            if (takes(technique, "blur")) request.set = {{"blur", "5"}};
             const Picture one = render(technique.name, request, "car", 1);
             CHECK(one == render(technique.name, request, "car", 2));
             CHECK(one == render(technique.name, request, "car", 8));
@@ -97,18 +101,18 @@ TEST_CASE("a plain shadow map is percentage closer filtering with one nearest ta
     for (const Format format : {Format::D32Float, Format::D24, Format::D16}) {
         const TechniqueRequest plain{.map_size = 256, .format = format, .slope_bias = 2.0f};
         TechniqueRequest pcf = plain;
-        pcf.filter = MapFilter::Nearest;
-        pcf.taps = 1;
+        pcf.set = {{"taps", "1"}};
         CHECK(render("shadow-map", plain, "car", 1) == render("pcf", pcf, "car", 1));
         // And not with the bilinear tap.
-        pcf.filter = MapFilter::Bilinear;
-        CHECK_FALSE(render("shadow-map", plain, "car", 1) == render("pcf", pcf, "car", 1));
+        CHECK_FALSE(render("shadow-map", plain, "car", 1) == render("pcf-bilinear", pcf, "car", 1));
+        // ... which is what pcf-hw takes.
+        CHECK(render("pcf-hw", plain, "car", 1) == render("pcf-bilinear", pcf, "car", 1));
     }
 }
 
 TEST_CASE("n x n nearest taps give multiples of 1 / n^2", "[techniques][pcf]") {
     for (const int taps : {2, 3, 4, 5}) {
-        const Picture picture = render("pcf", {.map_size = 256, .filter = MapFilter::Nearest, .taps = taps}, "car", 1);
+        const Picture picture = render("pcf", {.map_size = 256, .set = {{"taps", std::to_string(taps)}}}, "car", 1);
         std::vector<float> values(picture.visibility.size() / 4);
         std::memcpy(values.data(), picture.visibility.data(), picture.visibility.size());
         int between = 0;
@@ -124,7 +128,8 @@ TEST_CASE("n x n nearest taps give multiples of 1 / n^2", "[techniques][pcf]") {
 
 TEST_CASE("Gaussian weights sum to one, are symmetric and fall", "[techniques][gaussian]") {
     for (int taps = 1; taps <= kMaxBlurTaps; taps += 2) {
-        const auto weights = gaussian_weights(taps);
+        const auto [count, weights] = gaussian_kernel(taps);
+        CHECK(count == taps);
         double sum = 0;
         for (const float w : weights) sum += static_cast<double>(w);
         INFO("taps " << taps);
@@ -146,6 +151,22 @@ TEST_CASE("Gaussian weights sum to one, are symmetric and fall", "[techniques][g
     }
 }
 
+TEST_CASE("a Gaussian of any width: taps as the next odd one, narrower the smaller it is", "[techniques][gaussian]") {
+    float before = 1.0f;
+    for (const double width : {1.0, 1.25, 2.0, 2.9, 3.0, 3.1, 4.5, 5.0, 61.7, 63.0}) {
+        const GaussianKernel kernel = gaussian_kernel(width);
+        INFO("width " << width);
+        CHECK(kernel.taps % 2 == 1);
+        CHECK((kernel.taps >= width && kernel.taps < width + 2));
+        const float middle = kernel.weights[static_cast<std::size_t>(kernel.taps / 2)];
+        CHECK(middle <= before);
+        before = middle;
+        double sum = 0;
+        for (const float w : kernel.weights) sum += static_cast<double>(w);
+        CHECK(std::fabs(sum - 1.0) <= 64 * 0x1p-25);
+    }
+}
+
 TEST_CASE("the blur of a constant is that constant within the format", "[techniques][gaussian]") {
     // Weights sum to 1 within taps * 2^-25; each of `taps` products and sums rounds once in fp32; each pass stores once.
     for (const auto& [format, storage] : {std::pair{Format::Rg32Float, 0x1p-24}, std::pair{Format::Rg16Float, 0x1p-10},
@@ -157,8 +178,7 @@ TEST_CASE("the blur of a constant is that constant within the format", "[techniq
             const TextureId scratch = device.create_texture("scratch", desc);
             device.execute(ClearColor{texture, {0.3f, 0.09f, 0.0f, 1.0f}});
             const auto before = device.texture(texture).level_bytes(0);
-            const GaussianPass pass(device, taps);
-            pass.run(device, texture, scratch);
+            blur(FullScreen(device), gaussian_kernel(taps), texture, scratch);
             const auto after = device.texture(texture).level_bytes(0);
             const FormatInfo& info = format_info(format);
             const auto value = [&](const std::vector<std::byte>& bytes, std::size_t i) {
@@ -189,10 +209,11 @@ TEST_CASE("the blur of one texel is the outer product of the weights", "[techniq
         std::vector<float> values(33 * 29, 0.0f);
         values[14 * 33 + 16] = 1.0f;
         device.execute(WriteTexture{texture, 0, std::as_bytes(std::span(values))});
-        GaussianPass(device, taps).run(device, texture, scratch);
+        const GaussianKernel kernel = gaussian_kernel(taps);
+        blur(FullScreen(device), kernel, texture, scratch);
         const auto bytes = device.texture(texture).level_bytes(0);
         std::memcpy(values.data(), bytes.data(), bytes.size());
-        const auto weights = gaussian_weights(taps);
+        const auto& weights = kernel.weights;
         for (int y = 0; y < 29; ++y)
             for (int x = 0; x < 33; ++x) {
                 const int i = x - 16 + taps / 2;
@@ -213,7 +234,7 @@ TEST_CASE("a pass may not read the texture it writes", "[techniques][errors]") {
     const TextureId texture = device.create_texture("map", {.format = Format::R32Float, .width = 128, .height = 128});
     device.execute(ClearColor{texture, glm::vec4(0.5f)});
     const auto before = device.texture(texture).level_bytes(0);
-    const GaussianPass pass(device, 3);
-    CHECK_THROWS_AS(pass.run(device, texture, texture), Error);
+    const FullScreen full_screen(device);
+    CHECK_THROWS_AS(blur(full_screen, gaussian_kernel(3), texture, texture), Error);
     CHECK(device.texture(texture).level_bytes(0) == before);
 }

@@ -247,7 +247,8 @@ TEST_CASE("[Donnelly06] 3.1: the rendered penumbra of `planes` is the bilinear c
         const scenes::Scene scene = scene_named("planes").make();
         Device device(load_profile(profile), 2);
         const Technique& vsm = find_technique("vsm");
-        TechniqueRequest request{.map_size = kMap, .format = format, .filter = MapFilter::Bilinear, .min_variance = 0.0f};
+        TechniqueRequest request{
+            .map_size = kMap, .format = format, .filter = MapFilter::Bilinear, .set = {{"min-variance", "0"}}};
         Frame frame(device, scene,
                     {.width = kWidth, .height = kHeight, .technique = vsm, .settings = resolve_settings(vsm, request)});
         PassTimer timer(device);

@@ -70,7 +70,7 @@ TEST_CASE("an exported scene renders the same bytes", "[cli]") {
 TEST_CASE("technique all has a folder per technique, and a contact sheet shows them", "[cli]") {
     const TemporaryFolder folder;
     REQUIRE(gnomon_run(folder, "render --scene planes --technique all --size 64x48 --map 64 --out o/planes").code == 0);
-    CHECK(files_in(folder.path() / "o/planes") == std::set<std::string>{"shadow-map", "pcf", "vsm"});
+    CHECK(files_in(folder.path() / "o/planes") == std::set<std::string>{"shadow-map", "pcf-hw", "pcf", "pcf-bilinear", "vsm"});
     CHECK(files_in(folder.path() / "o/planes/vsm") == kResultFiles);
     REQUIRE(gnomon_run(folder, "contact-sheet o").code == 0);
     const std::string html = text_of(folder.path() / "o/index.html");
@@ -125,14 +125,27 @@ TEST_CASE("bad input is one line on stderr, exit code 2, and nothing written", "
         "render --scene planes --technique shadow-map --taps 3 --out o",
         "render --scene planes --technique vsm --blur 4 --out o",
         "render --scene planes --technique vsm --min-variance nan --out o",
+        "render --scene planes --technique vsm --set blur --out o",
+        "render --scene planes --technique vsm --set =3 --out o",
+        "render --scene planes --technique vsm --set blur= --out o",
+        "render --scene planes --technique vsm --set blur=2 --out o",
+        "render --scene planes --technique vsm --set blur=3x --out o",
+        "render --scene planes --technique vsm --set depth=z --out o",
+        "render --scene planes --technique vsm --set sharpness=1 --out o",
+        "render --scene planes --technique all --set sharpness=1 --out o",
+        "render --scene planes --technique vsm --set min-variance=inf --out o",
+        "render --scene planes --technique vsm --aniso 0 --out o",
+        "render --scene planes --technique vsm --aniso 17 --out o",
+        "render --scene planes --technique vsm --aniso 2 --filter shader-bilinear --out o",
+        "render --scene planes --technique vsm --map-samples 3 --out o",
+        "render --scene planes --technique vsm --map-samples 32 --out o",
+        "render --scene planes --technique vsm --map-samples 8 --profile nv40 --out o",
         "render --scene planes --technique vsm --threads -1 --out o",
         "render --scene planes --technique vsm --reference maybe --out o",
         "render --scene planes --technique vsm --seed x --out o",
         "render --scene planes --technique vsm --profile nothing --out o",
         "render --scene planes --technique vsm --profile bad.json --out o",
-        "render --scene planes --technique vsm --profile nv40 --format rg32f --out o",
         "render --scene planes --technique vsm --profile nv40 --filter bilinear --out o",
-        "render --scene planes --technique all --profile nv40 --out o",
         "render --scene planes --technique vsm --profile unknown.json --out o",
         "render --scene planes --technique vsm --ground --out o",
         "render --scene planes --technique vsm --size 32x24 --map 32 --out file",
