@@ -128,8 +128,10 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                                    .depth = hash_of(device.texture(frame.depth())),
                                    .color = hash_of(device.texture(frame.color())),
                                    .map = hash_of_maps(device, frame.maps())},
+                        .map = {},
                         .bytes_per_texel = techniques::storage_per_texel(plan.technique, plan.settings)};
     result.request.technique = plan.technique.name;
+    for (const TextureId id : frame.maps()) result.map += map_statistics(device.texture(id));
     if (request_.derivatives) {
         const auto bytes = device.texture(frame.derivatives()).level_bytes(0);
         result.derivatives.resize(bytes.size() / sizeof(std::uint32_t));

@@ -3,7 +3,9 @@
 #include "sim/warn.h"
 #include "techniques/esm.h"
 #include "techniques/evsm.h"
+#include "techniques/lvsm.h"
 #include "techniques/pcf.h"
+#include "techniques/pcf_footprint.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
 #include "texunit/aniso.h"
@@ -61,7 +63,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm, kEsm, kEvsm2, kEvsm4};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint,
+                                       kVsm,       kEsm,         kEvsm2, kEvsm4,       kLvsm};
     return techniques;
 }
 

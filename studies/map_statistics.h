@@ -1,0 +1,30 @@
+// What became of numbers that the format of a shadow map cannot hold.
+#pragma once
+
+#include "sim/fields.h"
+#include "texunit/texture.h"
+
+#include <cstdint>
+
+namespace gnomon::studies {
+
+/// Texels of level 0, of all slices; one with several such components counts once in each row.
+struct MapStatistics {
+    std::uint64_t texels = 0;
+    std::uint64_t saturated = 0;  // a component is the largest finite number of the format, of either sign
+    std::uint64_t infinite = 0;
+    std::uint64_t nan = 0;
+
+    static constexpr auto fields() {
+        using M = MapStatistics;
+        return std::tuple{Field{"texels", &M::texels}, Field{"saturated", &M::saturated}, Field{"infinite", &M::infinite},
+                          Field{"nan", &M::nan}};
+    }
+    MapStatistics& operator+=(const MapStatistics& other);
+    bool operator==(const MapStatistics&) const = default;
+};
+
+/// Only formats of 16- and 32-bit floats can hold anything but plain numbers; of others just the texels are counted.
+MapStatistics map_statistics(const Texture& texture);
+
+}  // namespace gnomon::studies
