@@ -166,7 +166,8 @@ Scene make_overlap() {
     Mesh foliage{.name = "foliage", .vertices = {}, .indices = {}, .base_color = {0.22f, 0.48f, 0.14f}};
 
     append_terraces(stone);
-    append_deck(wood, {-6.6, 0, 1.2}, 4.6, 4.6, 0.28);
+    append_deck(wood, {-6.2, 0, 0.6}, 4.3, 4.6, 0.28);
+    append_deck(wood, {-4.2, 0, 6.2}, 5.2, 1.9, 0.12);
     append_deck(wood, {2.6, 0.7, -5.7}, 5.2, 2.9, 0.25);
     append_board_stack(board, iron, {2.3, 0, 4.6}, 3.9, 0.25);
     append_board_stack(board, iron, {-7.4, 0.7, -2.9}, 3.8, 0.18);
@@ -181,13 +182,13 @@ Scene make_overlap() {
     for (std::uint32_t mesh = 0; mesh < 7; ++mesh) scene.instances.push_back({.mesh = mesh});
 
     // Low enough to look under the boards, against the light.
-    scene.camera.world_from_camera = looking_at({0.4, 7.6, 17.6}, {0.0, -0.1, 0.1});
-    scene.camera.yfov_rad = static_cast<float>(scalar::radians(38));
+    scene.camera.world_from_camera = looking_at({0.4, 7.6, 17.6}, {0.1, 0.1, -0.1});
+    scene.camera.yfov_rad = static_cast<float>(scalar::radians(36.5));
     scene.camera.znear = 0.5f;
     scene.camera.zfar = 80.0f;
     scene.light.kind = LightKind::Spot;
     scene.light.world_from_light = looking_at(kLight, kAim);
-    scene.light.outer_cone_rad = static_cast<float>(scalar::radians(24));
+    scene.light.outer_cone_rad = static_cast<float>(scalar::radians(26));
     return scene;
 }
 
