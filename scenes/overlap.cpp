@@ -1,11 +1,13 @@
 // `overlap`: the worst case for variance shadow maps, overlapping shadows with extreme depth ratios. [Lauritzen08] 4.1.4,
 // figures 4.3 and 4.4
 //
-// A floodlight 30 m above a terraced yard shines through a grille, planks and leaves 4.6 to 7.4 m before it (A). Decks of
-// slats, boards, nets and rods (B) lie 0.1 to 0.5 m above the terraces (C), which are themselves at four heights. Along the
-// light's axis Delta x = b - a is 20 to 27 m and Delta y = c - b is 0.1 to 0.7 m: Delta x / Delta y of eq. 3.4 is above 50
-// under all of B that is less than 0.45 m above its receiver. The light comes from behind, so that the shadows fall towards the
-// camera, which sees below each B the ground that B hides from the light and across which the shadow edges of A bleed.
+// A floodlight 30 m above a terraced yard shines through a grille, planks, ropes and leaves 4.6 to 7.2 m before it (A). Decks
+// of slats, boards, nets and tables (B) stand 0.12 to 0.28 m above their receivers (C): three terraces, a plinth, and boards
+// that are each the receiver of the next one's shadow. Along the light's axis Delta x = b - a is 17 to 29 m and Delta y = c - b
+// below a B is 0.18 to 0.4 m, so that Delta x / Delta y of eq. 3.4 is 50 to 115 there; where a terrace shadows the one before
+// it, about
+// 30. The light comes from behind: shadows fall towards the camera, which sees below every B what B hides from the light, and
+// the shadow edges of A bleed across it.
 #include "scenes/builders.h"
 #include "scenes/random.h"
 #include "scenes/shapes.h"
@@ -23,8 +25,8 @@ namespace gnomon::scenes {
 
 namespace {
 
-const glm::dvec3 kLight(-6.0, 27.0, -13.0);
-const glm::dvec3 kAim(0.0, 0.5, 0.0);
+constexpr glm::dvec3 kLight(-6.0, 27.0, -13.0);
+constexpr glm::dvec3 kAim(0.0, 0.5, 0.0);
 
 /// The axes of the light in the columns: right, up, back.
 glm::dmat3 light_axes() { return {glm::dmat4(looking_at(kLight, kAim))}; }

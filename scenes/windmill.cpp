@@ -27,8 +27,8 @@ constexpr double kDeckHeight = 2.9;  // top of the gallery's planks
 constexpr double kEaves = 6.9;       // where the tower ends and the cap begins
 constexpr double kGalleryRadius = 3.6;
 constexpr double kHillRadius = 11.0;
-const glm::dvec3 kHub(0.0, 7.75, 2.35);
-const glm::dvec3 kShaft(0.0, 0.12, 1.0);  // the windshaft rises towards the sails
+constexpr glm::dvec3 kHub(0.0, 7.75, 2.35);
+constexpr glm::dvec3 kShaft(0.0, 0.12, 1.0);  // the windshaft rises towards the sails
 
 /// The point at `radius` from the tower's axis in the direction of corner `k` of its octagon; a whole side faces +z. Between
 /// corners `k` goes through the circle.

@@ -98,14 +98,14 @@ TEST_CASE("windmill: 10,000 to 30,000 triangles, and many rays of the light cros
     const auto with_layers = [&](std::size_t layers) {
         return std::ranges::count_if(texels, [&](const auto& ray) { return ray.size() >= layers; });
     };
-    UNSCOPED_INFO(fmt::format("rays with 1, 2, 3, 4, 5, 6 surfaces and more: {} {} {} {} {} {}", with_layers(1), with_layers(2),
-                              with_layers(3), with_layers(4), with_layers(5), with_layers(6)));
+    INFO(fmt::format("rays with 1, 2, 3, 4, 5, 6 surfaces and more: {} {} {} {} {} {}", with_layers(1), with_layers(2),
+                     with_layers(3), with_layers(4), with_layers(5), with_layers(6)));
     CHECK(with_layers(2) * 5 > with_layers(1));
     CHECK(with_layers(3) * 20 > with_layers(1));
     CHECK(with_layers(5) > 100);
 }
 
-TEST_CASE("overlap: Delta x / Delta y is above 50 in many places that the camera sees", "[scenes][Lauritzen08][3.4]") {
+TEST_CASE("overlap: Delta x / Delta y is above 50 in many places that the camera sees", "[scenes][Lauritzen08]") {
     const Scene scene = scene_named("overlap");
     const EmbreeScene traced(scene);
     constexpr int kSize = 384;
@@ -136,10 +136,11 @@ TEST_CASE("overlap: Delta x / Delta y is above 50 in many places that the camera
     }
     REQUIRE(!ratios.empty());
     std::ranges::sort(ratios);
-    UNSCOPED_INFO(fmt::format("{} texels, ratio {} to {}, median {}; {} places, {} heights", ratios.size(), ratios.front(),
-                              ratios.back(), ratios[ratios.size() / 2], places.size(), heights_cm.size()));
-    CHECK(ratios[ratios.size() / 2] > 50);
-    CHECK(ratios.back() > 100);
+    const auto quantile = [&](std::size_t percent) { return ratios[(ratios.size() - 1) * percent / 100]; };
+    INFO(fmt::format("{} texels, ratio {:.0f} to {:.0f}, deciles {:.0f}, {:.0f}, {:.0f}; {} places, {} heights", ratios.size(),
+                     quantile(0), quantile(100), quantile(10), quantile(50), quantile(90), places.size(), heights_cm.size()));
+    CHECK(quantile(50) > 50);
+    CHECK(quantile(90) > 100);
     CHECK(places.size() >= 40);
     for (const int height : {0, 35, 70, 140}) CHECK(heights_cm.contains(height));  // terraces and plinth
     CHECK(heights_cm.size() >= 7);                                                 // and boards above boards
