@@ -2,7 +2,7 @@
 // [Lauritzen08] figure 4.8
 //
 // The light comes over the sails. A ray to the ground behind the mill can meet the bars of a sail, the rail of the gallery, the
-// planks of its deck and the struts below; leaves of a tree throw their shadow over the same gallery from the other side.
+// planks of its deck and the struts below; the shadow of a tree lies over the ladder and its shadow.
 #include "scenes/builders.h"
 #include "scenes/shapes.h"
 #include "scenes/tree.h"
