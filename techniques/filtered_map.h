@@ -96,12 +96,24 @@ public:
     [[nodiscard]] MapLookup lookup() const;
 
 private:
+    /// Where the light pass draws: the map itself, or a band of it with several samples.
+    struct LightTarget {
+        TextureId color = TextureId::None;
+        int first_row = 0;
+    };
+    void draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+              const LightTarget& target) const;
+    /// The mean of the samples of a band into the rows of the map that it stands for.
+    void resolve(int first_row) const;
+
     Device& device_;
     TechniqueSettings settings_;
     GaussianKernel kernel_;
     int slices_;
+    int band_rows_;  // what the textures of the light pass hold at a time: the whole map, unless its samples are too many
     TextureId map_ = TextureId::None;
-    TextureId samples_ = TextureId::None;  // None: the map itself is rendered to
+    TextureId samples_ = TextureId::None;   // None: the map itself is rendered to
+    TextureId resolved_ = TextureId::None;  // None: resolves go into the map itself
     TextureId depth_ = TextureId::None;
     TextureId scratch_ = TextureId::None;  // None: no blur
     FullScreen full_screen_;
