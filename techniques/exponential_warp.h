@@ -57,10 +57,17 @@ ExponentialWarp positive_warp(float c);
 ExponentialWarp negative_warp(float c);
 
 /// Chebyshev's bound after a warp. The least variance of depth becomes that of warped depths by the slope at the receiver.
+///
+/// The bound stays what it is when warped depths are multiplied by a constant. Squares of the largest of them, and of slopes,
+/// exceed fp32, those of the smallest fall below it: a power of two, which rounds nothing, brings them nearer to 1.
 template <class Real>
 Real warped_upper_bound(const Moments<Real>& moments, const Warped<Real>& receiver, float min_variance) {
-    const Real floor = Real(min_variance) * (receiver.slope * receiver.slope);
-    return chebyshev_upper_bound(moments, receiver.value, floor);
+    // Where receiver and mean are at most 1 and the largest depth is 2^64, no second moment exceeds that either.
+    const Mask large = max(abs(receiver.value), abs(moments.first)) > Real(1.0f);
+    const Real scale = select(large, Real(0x1p-24f), Real(0x1p+24f));
+    const Real slope = receiver.slope * scale;
+    const Moments<Real> scaled{moments.first * scale, (moments.second * scale) * scale};
+    return chebyshev_upper_bound(scaled, receiver.value * scale, Real(min_variance) * (slope * slope));
 }
 
 }  // namespace gnomon::techniques
