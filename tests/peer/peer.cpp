@@ -48,6 +48,7 @@ Peer::~Peer() = default;
 Peer::Peer(Peer&&) noexcept = default;
 Peer& Peer::operator=(Peer&&) noexcept = default;
 
+const PeerDevice& Peer::description() const { return device_->description(); }
 bool Peer::validates() const { return device_->instance().validates(); }
 std::vector<std::string> Peer::validation_messages() const { return device_->instance().messages(); }
 

@@ -72,6 +72,7 @@ public:
     Peer(Peer&&) noexcept;
     Peer& operator=(Peer&&) noexcept;
 
+    [[nodiscard]] const PeerDevice& description() const;
     [[nodiscard]] bool validates() const;  // asked for, and the layer was found
     /// Every warning and error of the validation layer so far, one line each.
     [[nodiscard]] std::vector<std::string> validation_messages() const;
