@@ -72,12 +72,12 @@ std::vector<Workload> make_workloads(int map) {
         {"vsm rg16f trilinear", "vsm", {.map_size = map, .format = Format::Rg16Float}, vsm(MomentFormat::Rg16f, trilinear, 1)},
         {"vsm rg32f trilinear, blur 3", "vsm", {.map_size = map, .blur = 3}, vsm(MomentFormat::Rg32f, trilinear, 3)},
         {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
-        {"vsm rg32f 16x", std::nullopt, {}, named("vsm-rg32f-16x")},
-        {"vsm rg16f 16x", std::nullopt, {}, named("vsm-rg16f-16x")},
-        {"evsm4 rgba32f trilinear", std::nullopt, {}, named("evsm4-rgba32f-trilinear")},
-        {"evsm4 rgba16f trilinear", std::nullopt, {}, named("evsm4-rgba16f-trilinear")},
-        {"evsm4 rgba32f trilinear, blur 3", std::nullopt, {}, named("evsm4-rgba32f-trilinear-blur-3x3")},
-        {"evsm4 rgba32f 16x", std::nullopt, {}, named("evsm4-rgba32f-16x")},
+        {"vsm rg32f 16x", std::nullopt, {.map_size = map}, named("vsm-rg32f-16x")},
+        {"vsm rg16f 16x", std::nullopt, {.map_size = map}, named("vsm-rg16f-16x")},
+        {"evsm4 rgba32f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear")},
+        {"evsm4 rgba16f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba16f-trilinear")},
+        {"evsm4 rgba32f trilinear, blur 3", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear-blur-3x3")},
+        {"evsm4 rgba32f 16x", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-16x")},
     };
 }
 

@@ -1,6 +1,5 @@
 // Filtered moments on every usable device: visibility against the formulas in double precision, anisotropic filtering against
 // trilinear, one device against another.
-#include "sim/error.h"
 #include "tests/peer/frame_tests.h"
 #include "tests/peer/techniques.h"
 #include "tests/peer/test_scenes.h"
@@ -75,7 +74,7 @@ struct MapPlace {
     double depth = 0;  // linear
 };
 
-// Whether a pixel and the four around it are one face: there depth is affine in the picture. D3D11.3 15.6
+// Whether a pixel and the four around it are one face: there depth is affine in the picture.
 bool is_inside_face(const FrameImages& images, std::size_t pixel) {
     const std::size_t column = pixel % images.width;
     const std::size_t row = pixel / images.width;

@@ -91,7 +91,7 @@ std::uint32_t map_channels(MapKind map) {
 }
 
 const MomentFormatTraits& format_traits(MomentFormat format) {
-    const auto* row = std::ranges::find(kMomentFormats, format, &MomentFormatTraits::format);
+    const auto row = std::ranges::find(kMomentFormats, format, &MomentFormatTraits::format);
     if (row == kMomentFormats.end()) fail("unknown moment format {}", static_cast<int>(format));
     return *row;
 }
