@@ -3,6 +3,7 @@
 #include "scenes/procedural.h"
 #include "techniques/frame.h"
 #include "tests/peer/peer.h"
+#include "tests/peer/techniques.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -30,7 +31,7 @@ struct Options {
 /// One row of the table: the same technique said to Gnomon and to the peers.
 struct Workload {
     std::string name;
-    std::string technique;
+    std::optional<std::string> technique;  // none: the peers alone
     techniques::TechniqueRequest request;
     std::optional<peer::TechniqueOptions> peer;  // none: Gnomon alone
     std::string profile = "d3d11";
@@ -49,6 +50,11 @@ std::vector<Workload> make_workloads(int map) {
                                       .moment_format = format,
                                       .blur_kernel = blur > 1 ? peer::gaussian_kernel(blur) : std::vector<float>{}};
     };
+    const auto named = [&](std::string_view name) {
+        peer::TechniqueOptions options = peer::technique_named(name);
+        options.map_size = size;
+        return options;
+    };
     using peer::MomentFormat;
     const auto nearest = peer::MapFilter::Nearest;
     const auto bilinear = peer::MapFilter::Bilinear;
@@ -66,6 +72,12 @@ std::vector<Workload> make_workloads(int map) {
          {.map_size = map, .set = {{"blur", "3"}}},
          vsm(MomentFormat::Rg32f, trilinear, 3)},
         {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
+        {"vsm rg32f 16x", std::nullopt, {.map_size = map}, named("vsm-rg32f-16x")},
+        {"vsm rg16f 16x", std::nullopt, {.map_size = map}, named("vsm-rg16f-16x")},
+        {"evsm4 rgba32f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear")},
+        {"evsm4 rgba16f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba16f-trilinear")},
+        {"evsm4 rgba32f trilinear, blur 3", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear-blur-3x3")},
+        {"evsm4 rgba32f 16x", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-16x")},
     };
 }
 
@@ -84,7 +96,7 @@ Contender gnomon_contender(const scenes::Scene& scene, const Workload& workload,
     };
     auto state = std::make_shared<State>(workload.profile, options.threads);
     techniques::FrameDesc desc{
-        .width = options.width, .height = options.height, .technique = techniques::find_technique(workload.technique)};
+        .width = options.width, .height = options.height, .technique = techniques::find_technique(*workload.technique)};
     desc.settings = techniques::resolve_settings(desc.technique, workload.request);
     state->frame.emplace(state->device, scene, desc);
     return {"Gnomon",
@@ -104,7 +116,8 @@ Contender gnomon_contender(const scenes::Scene& scene, const Workload& workload,
 
 void compare(const scenes::Scene& scene, const Workload& workload, std::vector<std::pair<std::string, peer::Peer>>& peers,
              const Options& options) {
-    std::vector<Contender> contenders{gnomon_contender(scene, workload, options)};
+    std::vector<Contender> contenders;
+    if (workload.technique) contenders.push_back(gnomon_contender(scene, workload, options));
     for (auto& [name, machine] : peers) {
         if (!workload.peer) break;
         peer::Frame frame =
@@ -127,10 +140,12 @@ void compare(const scenes::Scene& scene, const Workload& workload, std::vector<s
         }
     }
 
-    const double own = peer::summarize(contenders.front().times).median_ms;
+    std::optional<double> own;  // Gnomon stands first
+    if (workload.technique) own = peer::summarize(contenders.front().times).median_ms;
     for (const Contender& contender : contenders) {
         const auto [median, least] = peer::summarize(contender.times);
-        fmt::print("{:<30} {:<28} {:8.2f} {:8.2f} {:8.2f}\n", workload.name, contender.name, median, least, own / median);
+        const std::string ratio = own ? fmt::format("{:.2f}", *own / median) : "-";
+        fmt::print("{:<32} {:<28} {:8.2f} {:8.2f} {:>8}\n", workload.name, contender.name, median, least, ratio);
     }
 }
 
@@ -167,7 +182,7 @@ int run(int argc, char** argv) {
 
     fmt::print("{} ({} triangles), {}x{} pixels, {}x{} map, {} threads, Gnomon with {} lanes\n\n", options.scene,
                scene.triangle_count(), options.width, options.height, options.map, options.map, options.threads, kLanes);
-    fmt::print("{:<30} {:<28} {:>8} {:>8} {:>8}\n", "technique", "machine", "median", "least", "Gnomon/");
+    fmt::print("{:<32} {:<28} {:>8} {:>8} {:>8}\n", "technique", "machine", "median", "least", "Gnomon/");
     for (const Workload& workload : make_workloads(options.map)) compare(scene, workload, peers, options);
     fmt::print("\ntimes in ms per frame; the last column is Gnomon's median over the machine's, so below 1 Gnomon is faster\n");
     return 0;
