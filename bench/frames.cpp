@@ -31,7 +31,7 @@ struct Options {
 /// One row of the table: the same technique said to Gnomon and to the peers.
 struct Workload {
     std::string name;
-    std::optional<std::string> technique;  // none: the peers alone
+    std::string technique;
     techniques::TechniqueRequest request;
     std::optional<peer::TechniqueOptions> peer;  // none: Gnomon alone
     std::string profile = "d3d11";
@@ -72,13 +72,34 @@ std::vector<Workload> make_workloads(int map) {
          {.map_size = map, .set = {{"blur", "3"}}},
          vsm(MomentFormat::Rg32f, trilinear, 3)},
         {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
-        {"vsm rg32f 16x", std::nullopt, {.map_size = map}, named("vsm-rg32f-16x")},
-        {"vsm rg16f 16x", std::nullopt, {.map_size = map}, named("vsm-rg16f-16x")},
-        {"evsm4 rgba32f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear")},
-        {"evsm4 rgba16f trilinear", std::nullopt, {.map_size = map}, named("evsm4-rgba16f-trilinear")},
-        {"evsm4 rgba32f trilinear, blur 3", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-trilinear-blur-3x3")},
-        {"evsm4 rgba32f 16x", std::nullopt, {.map_size = map}, named("evsm4-rgba32f-16x")},
+        {"vsm rg32f 16x", "vsm", {.map_size = map, .anisotropy = 16}, named("vsm-rg32f-16x")},
+        {"vsm rg16f 16x", "vsm", {.map_size = map, .format = Format::Rg16Float, .anisotropy = 16}, named("vsm-rg16f-16x")},
+        {"evsm4 rgba32f trilinear", "evsm4", {.map_size = map}, named("evsm4-rgba32f-trilinear")},
+        {"evsm4 rgba16f trilinear",
+         "evsm4",
+         {.map_size = map, .format = Format::Rgba16Float},
+         named("evsm4-rgba16f-trilinear")},
+        {"evsm4 rgba32f trilinear, blur 3",
+         "evsm4",
+         {.map_size = map, .set = {{"blur", "3"}}},
+         named("evsm4-rgba32f-trilinear-blur-3x3")},
+        {"evsm4 rgba32f 16x", "evsm4", {.map_size = map, .anisotropy = 16}, named("evsm4-rgba32f-16x")},
     };
+}
+
+/// Every technique alone as it comes, and with blurs of 3x3 and 5x5 where it has one.
+std::vector<Workload> make_own_workloads(int map) {
+    std::vector<Workload> workloads;
+    for (const techniques::Technique& technique : techniques::all_techniques()) {
+        const std::string name(technique.name);
+        workloads.push_back({name, name, {.map_size = map}, std::nullopt});
+        if (std::ranges::find(technique.parameters, "blur", &techniques::Parameter::name) == technique.parameters.end())
+            continue;
+        for (const char* taps : {"3", "5"})
+            workloads.push_back(
+                {fmt::format("{}, blur {}", name, taps), name, {.map_size = map, .set = {{"blur", taps}}}, std::nullopt});
+    }
+    return workloads;
 }
 
 /// Someone who can render a workload; `time` gives milliseconds of so many frames.
@@ -96,7 +117,7 @@ Contender gnomon_contender(const scenes::Scene& scene, const Workload& workload,
     };
     auto state = std::make_shared<State>(workload.profile, options.threads);
     techniques::FrameDesc desc{
-        .width = options.width, .height = options.height, .technique = techniques::find_technique(*workload.technique)};
+        .width = options.width, .height = options.height, .technique = techniques::find_technique(workload.technique)};
     desc.settings = techniques::resolve_settings(desc.technique, workload.request);
     state->frame.emplace(state->device, scene, desc);
     return {"Gnomon",
@@ -116,8 +137,7 @@ Contender gnomon_contender(const scenes::Scene& scene, const Workload& workload,
 
 void compare(const scenes::Scene& scene, const Workload& workload, std::vector<std::pair<std::string, peer::Peer>>& peers,
              const Options& options) {
-    std::vector<Contender> contenders;
-    if (workload.technique) contenders.push_back(gnomon_contender(scene, workload, options));
+    std::vector<Contender> contenders{gnomon_contender(scene, workload, options)};
     for (auto& [name, machine] : peers) {
         if (!workload.peer) break;
         peer::Frame frame =
@@ -140,12 +160,10 @@ void compare(const scenes::Scene& scene, const Workload& workload, std::vector<s
         }
     }
 
-    std::optional<double> own;  // Gnomon stands first
-    if (workload.technique) own = peer::summarize(contenders.front().times).median_ms;
+    const double own = peer::summarize(contenders.front().times).median_ms;
     for (const Contender& contender : contenders) {
         const auto [median, least] = peer::summarize(contender.times);
-        const std::string ratio = own ? fmt::format("{:.2f}", *own / median) : "-";
-        fmt::print("{:<32} {:<28} {:8.2f} {:8.2f} {:>8}\n", workload.name, contender.name, median, least, ratio);
+        fmt::print("{:<32} {:<28} {:8.2f} {:8.2f} {:8.2f}\n", workload.name, contender.name, median, least, own / median);
     }
 }
 
@@ -184,6 +202,9 @@ int run(int argc, char** argv) {
                scene.triangle_count(), options.width, options.height, options.map, options.map, options.threads, kLanes);
     fmt::print("{:<32} {:<28} {:>8} {:>8} {:>8}\n", "technique", "machine", "median", "least", "Gnomon/");
     for (const Workload& workload : make_workloads(options.map)) compare(scene, workload, peers, options);
+    peers.clear();
+    fmt::print("\nevery technique alone\n");
+    for (const Workload& workload : make_own_workloads(options.map)) compare(scene, workload, peers, options);
     fmt::print("\ntimes in ms per frame; the last column is Gnomon's median over the machine's, so below 1 Gnomon is faster\n");
     return 0;
 }

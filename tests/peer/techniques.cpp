@@ -1,4 +1,4 @@
-// The table of techniques. Biases are the defaults of techniques/shadow_map.cpp and pcf.cpp.
+// The table of techniques. Biases are the defaults of Gnomon's techniques of these names.
 #include "tests/peer/techniques.h"
 
 #include "sim/error.h"
