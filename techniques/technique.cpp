@@ -4,6 +4,7 @@
 #include "techniques/esm.h"
 #include "techniques/evsm.h"
 #include "techniques/lvsm.h"
+#include "techniques/msm.h"
 #include "techniques/pcf.h"
 #include "techniques/pcf_footprint.h"
 #include "techniques/shadow_map.h"
@@ -63,8 +64,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint,
-                                       kVsm,       kEsm,         kEvsm2, kEvsm4,       kLvsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,
+                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kMsm};
     return techniques;
 }
 
