@@ -21,13 +21,27 @@ struct MapLookup {
     /// Implicit derivatives come from the quad.
     template <class F, class Real = typename F::Real>
     Vec4<Real> sample(const F& f, const Vec2<Real>& uv) const {
-        return in_shader != 0 ? bilinear(f, uv) : f.sample(texture, sampler, uv);
+        if (in_shader == 0) return f.sample(texture, sampler, uv);
+        return bilinear(f, uv, [&](Int x, Int y) { return f.load(texture, x, y); });
+    }
+
+    /// The same in a slice for each lane, to nearest even and clamped.
+    template <class F, class Real>
+    Vec4<Real> sample_slice(const F& f, const Vec2<Real>& uv, const Real& slice) const {
+        if (in_shader == 0) return f.sample(texture, sampler, Vec3<Real>{uv.x, uv.y, slice});
+        // A load takes one slice for all lanes. The sampler is a nearest one here, and the nearest at a texel's centre is it.
+        const glm::ivec2 size = f.size(texture);
+        const auto centre = [](Int texel, int texels) { return (Real(texel) + Real(0.5f)) / Real(static_cast<float>(texels)); };
+        return bilinear(f, uv, [&](Int x, Int y) {
+            return f.sample(texture, sampler, Vec3<Real>{centre(x, size.x), centre(y, size.y), slice});
+        });
     }
 
 private:
-    /// As on hardware that does not filter 32-bit floats. [Donnelly06] section 4, [Lauritzen08] 3.1
-    template <class F, class Real = typename F::Real>
-    Vec4<Real> bilinear(const F& f, const Vec2<Real>& uv) const {
+    /// As on hardware that does not filter 32-bit floats; `fetch(x, y)` is a texel inside the texture. [Donnelly06] section 4,
+    /// [Lauritzen08] 3.1
+    template <class F, class Fetch, class Real = typename F::Real>
+    Vec4<Real> bilinear(const F& f, const Vec2<Real>& uv, const Fetch& fetch) const {
         const glm::ivec2 size = f.size(texture);
         const auto axis = [](const Real& coordinate, int texels) {
             const Real position = coordinate * Real(static_cast<float>(texels)) - Real(0.5f);
@@ -36,8 +50,8 @@ private:
         };
         const auto [x, u] = axis(uv.x, size.x);
         const auto [y, v] = axis(uv.y, size.y);
-        const auto texel = [&](Int right, Int down) {
-            return f.load(texture, clamp(x + right, Int(0), Int(size.x - 1)), clamp(y + down, Int(0), Int(size.y - 1)));
+        const auto texel = [&, left = x, top = y](Int right, Int down) {
+            return fetch(clamp(left + right, Int(0), Int(size.x - 1)), clamp(top + down, Int(0), Int(size.y - 1)));
         };
         const auto mix = [](const Vec4<Real>& a, const Vec4<Real>& b, const Real& t) {
             return Vec4<Real>{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t, a.w + (b.w - a.w) * t};

@@ -1,6 +1,7 @@
 #include "techniques/technique.h"
 
 #include "sim/warn.h"
+#include "techniques/csm.h"
 #include "techniques/pcf.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
@@ -59,7 +60,7 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm, kCsm};
     return techniques;
 }
 

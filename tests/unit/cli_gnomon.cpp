@@ -70,7 +70,8 @@ TEST_CASE("an exported scene renders the same bytes", "[cli]") {
 TEST_CASE("technique all has a folder per technique, and a contact sheet shows them", "[cli]") {
     const TemporaryFolder folder;
     REQUIRE(gnomon_run(folder, "render --scene planes --technique all --size 64x48 --map 64 --out o/planes").code == 0);
-    CHECK(files_in(folder.path() / "o/planes") == std::set<std::string>{"shadow-map", "pcf-hw", "pcf", "pcf-bilinear", "vsm"});
+    CHECK(files_in(folder.path() / "o/planes") ==
+          std::set<std::string>{"shadow-map", "pcf-hw", "pcf", "pcf-bilinear", "vsm", "csm"});
     CHECK(files_in(folder.path() / "o/planes/vsm") == kResultFiles);
     REQUIRE(gnomon_run(folder, "contact-sheet o").code == 0);
     const std::string html = text_of(folder.path() / "o/index.html");
@@ -82,7 +83,7 @@ TEST_CASE("gnomon list names what there is", "[cli]") {
     const TemporaryFolder folder;
     const std::string all = gnomon_run(folder, "list").out;
     for (const char* name :
-         {"planes", "car", "fence", "bench", "shadow-map", "pcf", "vsm", "d3d11", "ideal", "rg16unorm", "d24"})
+         {"planes", "car", "fence", "bench", "shadow-map", "pcf", "vsm", "csm", "d3d11", "ideal", "rg16unorm", "d24"})
         CHECK(all.find(name) != std::string::npos);
     CHECK(gnomon_run(folder, "list profiles --verbose").out.find("texel_fraction_bits") != std::string::npos);
 }
