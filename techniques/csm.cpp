@@ -16,21 +16,22 @@ std::vector<Parameter> parameters() {
            std::vector{whole("terms", 8, 1, kMaxFourierTerms,
                              "M, terms of the series; two to a texture, and 1, 2, 4 or 8 textures are made"),
                        number("attenuation", 1, 0, 100, "alpha: term k is scaled by exp(-alpha (k/M)^2) against ringing"),
+                       number("range", 0, 0, 1, "depth 1 in half periods; 0: 1 - 1/(2M), clear of the period's other step"),
                        number("offset", 0, 0, 0.25, "towards the light, of depth, which is in [0, 1]"),
                        number("sharpness", 1, 0.5, 100, "scale of visibility; 1: a surface in its own light is just lit")};
 }
 
 /// Two terms per target.
-template <int kTargets>
+template <std::size_t kTargets>
 std::unique_ptr<ShadowPasses> make_with(Device& device, const TechniqueSettings& settings) {
     static const std::array names{fmt::format("csm.cast-{}", 2 * kTargets), fmt::format("csm.cast-distance-{}", 2 * kTargets)};
     static const CasterPrograms casters = make_caster_programs<CsmEncoding<kTargets>>(names[0], names[1]);
     static const Program program = make_program<ReceiverVertex, CsmReceiver>("csm.receive");
-    const ParameterValues& chosen = settings.parameters;
-    CsmReceiver receiver{.series = fourier_series(chosen.whole("terms"), static_cast<double>(chosen.number("attenuation")))};
-    receiver.reconstruction = csm_reconstruction(receiver.series, chosen.number("offset"), chosen.number("sharpness"));
-    return std::make_unique<FilteredMapPasses<CsmEncoding<kTargets>, CsmReceiver>>(device, settings, casters, program,
-                                                                                   CsmEncoding<kTargets>{}, receiver);
+    const CsmSetup setup = csm_setup(settings.parameters);
+    const CsmEncoding<kTargets> encoding{.range = setup.reconstruction.range};
+    const CsmReceiver receiver{.series = setup.series, .reconstruction = setup.reconstruction};
+    return std::make_unique<FilteredMapPasses<CsmEncoding<kTargets>, CsmReceiver>>(device, settings, casters, program, encoding,
+                                                                                   receiver);
 }
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
@@ -43,9 +44,20 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
 
 }  // namespace
 
-CsmReconstruction csm_reconstruction(const FourierSeries& series, float offset, float sharpness) {
-    const double lit = series.at(static_cast<double>(offset));
-    return {.offset = offset, .scale = static_cast<float>(static_cast<double>(sharpness) / lit)};
+CsmSetup csm_setup(const ParameterValues& chosen) {
+    const int terms = chosen.whole("terms");
+    CsmSetup setup{.series = fourier_series(terms, static_cast<double>(chosen.number("attenuation")))};
+    CsmReconstruction& r = setup.reconstruction;
+
+    // The cut series first gets where it wants 1/(2M) from its step. Half a period on stands the next one, the other way round.
+    r.range = chosen.number("range");
+    if (r.range == 0.0f) r.range = 1.0f - 0.5f / static_cast<float>(terms);
+
+    // A surface in its own light comes out lit: 2 without an offset.
+    r.offset = chosen.number("offset");
+    const double own = setup.series.at(static_cast<double>(r.range) * static_cast<double>(r.offset));
+    r.scale = static_cast<float>(static_cast<double>(chosen.number("sharpness")) / own);
+    return setup;
 }
 
 const Technique kCsm{.name = "csm",

@@ -4,36 +4,44 @@
 #include "techniques/filtered_map.h"
 #include "techniques/fourier.h"
 
+#include <array>
+
 namespace gnomon::techniques {
 
 /// Light pass: sines and cosines of depth, two pairs per slice. [Annen07]
-template <int kTargets>
+template <std::size_t kTargets>
 struct CsmEncoding {
-    static constexpr auto fields() { return std::tuple{}; }
+    float range = 1.0f;  // what depth 1 becomes
+
+    static constexpr auto fields() { return std::tuple{Field{"range", &CsmEncoding::range}}; }
 
     template <class Real>
     [[nodiscard]] std::array<Vec4<Real>, kTargets> encode(const Real& depth) const {
         std::array<Vec4<Real>, kTargets> slices;
-        for (int slice = 0; slice < kTargets; ++slice)
-            slices[static_cast<std::size_t>(slice)] = store_two_pairs(1 + 2 * slice, depth);
+        for (std::size_t i = 0; i < kTargets; ++i)
+            slices[i] = store_two_pairs(1 + 2 * static_cast<int>(i), depth * Real(range));
         return slices;
     }
 };
 
-/// How the sum becomes visibility: saturate(scale sum(d - offset)).
+/// Depths d and z up to 1 become range d and range z; visibility is saturate(scale lit(range (d - offset), range z)).
 struct CsmReconstruction {
-    float offset = 0.0f;  // of depth, towards the light
-    float scale = 2.0f;   // of the whole: 0 stays 0
+    float range = 1.0f;
+    float offset = 0.0f;  // towards the light
+    float scale = 2.0f;   // of the whole: no light stays none
 
     static constexpr auto fields() {
         using R = CsmReconstruction;
-        return std::tuple{Field{"offset", &R::offset}, Field{"scale", &R::scale}};
+        return std::tuple{Field{"range", &R::range}, Field{"offset", &R::offset}, Field{"scale", &R::scale}};
     }
 };
 
-/// `sharpness` is relative to the scale that makes a surface in its own light (z = d) come out lit: 1 / sum(offset), which is 2
-/// without an offset.
-CsmReconstruction csm_reconstruction(const FourierSeries& series, float offset, float sharpness);
+/// Series and reconstruction as the parameters of the technique say.
+struct CsmSetup {
+    FourierSeries series{};
+    CsmReconstruction reconstruction{};
+};
+CsmSetup csm_setup(const ParameterValues& chosen);
 
 /// Camera pass: every slice to visibility. [Annen07]
 struct CsmReceiver {
@@ -53,7 +61,7 @@ struct CsmReceiver {
     auto operator()(const F& f) const {
         using Real = typename F::Real;
         const auto at = map_position(f);
-        const Real depth = receiver_depth(f, at.depth, scale) - Real(reconstruction.offset);
+        const Real depth = (receiver_depth(f, at.depth, scale) - Real(reconstruction.offset)) * Real(reconstruction.range);
         Real sum(0.5f);
         for (int k = 1; k <= series.terms; k += 2) {
             const Vec4<Real> texel = map.sample_slice(f, at.uv, Real(static_cast<float>(k / 2)));
