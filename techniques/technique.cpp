@@ -1,6 +1,7 @@
 #include "techniques/technique.h"
 
 #include "sim/warn.h"
+#include "techniques/csm.h"
 #include "techniques/esm.h"
 #include "techniques/evsm.h"
 #include "techniques/lvsm.h"
@@ -65,7 +66,7 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 
 std::span<const Technique> all_techniques() {
     static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,
-                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kMsm};
+                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kCsm,          kMsm};
     return techniques;
 }
 
