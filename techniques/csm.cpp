@@ -15,7 +15,7 @@ std::vector<Parameter> parameters() {
     return filtered_map_parameters() +
            std::vector{whole("terms", 8, 1, kMaxFourierTerms,
                              "M, terms of the series; two to a texture, and 1, 2, 4 or 8 textures are made"),
-                       number("attenuation", 1, 0, 100, "alpha: term k is scaled by exp(-alpha (k/M)^2) against ringing"),
+                       number("attenuation", 0.5, 0, 100, "alpha: term k is scaled by exp(-alpha (k/M)^2) against ringing"),
                        number("range", 0, 0, 1, "depth 1 in half periods; 0: 1 - 1/(2M), clear of the period's other step"),
                        number("offset", 0, 0, 0.25, "towards the light, of depth, which is in [0, 1]"),
                        number("sharpness", 1, 0.5, 100, "scale of visibility; 1: a surface in its own light is just lit")};
