@@ -33,9 +33,10 @@ public:
     ///
     /// A few things only a functor's calls decide. They throw Error, too, but from the middle of the draw or dispatch, and what
     /// was written until then stays: a texture that the profile cannot filter sampled with a sampler that filters, where the
-    /// constants leave open which sampler meets which texture; integers compared; a cube texture sampled at 2D coordinates; an
-    /// offset outside -8 to 7 or a gather of a component other than 0 to 3; a resource that is none of the constants and does
-    /// not exist; more group-shared memory than there is; blocks of threads inside one another.
+    /// constants leave open which sampler meets which texture; integers compared; codes loaded of a format that is not of
+    /// unsigned integers; a cube texture sampled at 2D coordinates; an offset outside -8 to 7 or a gather of a component other
+    /// than 0 to 3; a resource that is none of the constants and does not exist; more group-shared memory than there is; blocks
+    /// of threads inside one another.
     void execute(const Command& command);
     /// Called with every command that executed; one that the device refused is not seen.
     void set_observer(std::function<void(const Command&)> observer) { observer_ = std::move(observer); }

@@ -13,6 +13,7 @@
 #include "texunit/aniso.h"
 #include "texunit/sample.h"
 
+#include <concepts>
 #include <memory>
 #include <span>
 
@@ -34,6 +35,7 @@ struct PixelEnvironment {
 [[noreturn]] void refuse_cube(const PixelEnvironment& environment, TextureId id);
 [[noreturn]] void refuse_filter(const PixelEnvironment& environment, TextureId id);
 [[noreturn]] void refuse_comparison(const PixelEnvironment& environment, TextureId id);
+[[noreturn]] void refuse_codes(const PixelEnvironment& environment, TextureId id);
 [[noreturn]] void refuse_offset(const PixelEnvironment& environment, TextureId id, const glm::ivec2& offset);
 [[noreturn]] void refuse_component(const PixelEnvironment& environment, TextureId id, int component);
 
@@ -48,7 +50,7 @@ struct PixelSystemValues {
     std::uint32_t sample_mask = 0xffffffffu;
 };
 
-/// Which texel `load` reads. Out of range reads as 0.
+/// Which texel `load` and `load_codes` read. Out of range reads as 0.
 struct TexelPlace {
     int level = 0;
     int layer = 0;
@@ -110,30 +112,48 @@ public:
     /// Texture sampling with the level of detail of the quad's derivatives. Of an array, slice 0. D3D11.3 22.4.15
     Vec4<Real> sample(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv,
                       const SampleOperands<Real>& operands = {}) const {
+        return sample(id, sampler, first_slice(uv), operands);
+    }
+    /// At (u, v, slice) of an array, a slice for each lane, to nearest even and clamped; the derivatives are those of u and v.
+    /// Coordinates are Vec3<Real>; as templates these overloads leave `{u, v}` to the others.
+    template <std::same_as<Vec3<Real>> Coordinate = Vec3<Real>>
+    Vec4<Real> sample(const TextureLevels& id, const Sampler& sampler, const Coordinate& coordinate,
+                      const SampleOperands<Real>& operands = {}) const {
         const TextureView view = filtered(id, sampler, operands.offset);
-        const LevelOfDetail<Real> lod = needs_lod(sampler) ? quad_lod(view, sampler, uv) : LevelOfDetail<Real>(Real(0.0f));
-        return count_and_sample(id, view, sampler, uv, lod, operands);
+        return count_and_sample(id, view, sampler, coordinate, quad_lod(view, sampler, coordinate), operands);
     }
     /// With the shader's own derivatives. D3D11.3 22.4.17
     Vec4<Real> sample_gradient(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv,
                                const Gradients<Real>& gradients, const SampleOperands<Real>& operands = {}) const {
+        return sample_gradient(id, sampler, first_slice(uv), gradients, operands);
+    }
+    template <std::same_as<Vec3<Real>> Coordinate = Vec3<Real>>
+    Vec4<Real> sample_gradient(const TextureLevels& id, const Sampler& sampler, const Coordinate& coordinate,
+                               const Gradients<Real>& gradients, const SampleOperands<Real>& operands = {}) const {
         const TextureView view = filtered(id, sampler, operands.offset);
-        return count_and_sample(id, view, sampler, uv, level_of_detail(gradients, view, sampler, profile()), operands);
+        return count_and_sample(id, view, sampler, coordinate, level_of_detail(gradients, view, sampler, profile()), operands);
     }
     /// With the shader's own level of detail. D3D11.3 22.4.18
     Vec4<Real> sample_level(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& lod,
                             const SampleOperands<Real>& operands = {}) const {
+        return sample_level(id, sampler, first_slice(uv), lod, operands);
+    }
+    template <std::same_as<Vec3<Real>> Coordinate = Vec3<Real>>
+    Vec4<Real> sample_level(const TextureLevels& id, const Sampler& sampler, const Coordinate& coordinate, const Real& lod,
+                            const SampleOperands<Real>& operands = {}) const {
         const TextureView view = filtered(id, sampler, operands.offset);
-        return count_and_sample(id, view, sampler, uv, LevelOfDetail<Real>(lod), operands);
+        return count_and_sample(id, view, sampler, coordinate, LevelOfDetail<Real>(lod), operands);
     }
     /// Comparison at level 0. D3D11.3 22.4.20
     Real sample_compare(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference) const {
-        const TextureView view = filtered(id, sampler, {0, 0});
-        if (view.texture().info().is_integer()) [[unlikely]]
-            refuse_comparison(environment_, id.texture);
-        const LevelOfDetail<Real> top(Real(0.0f));
-        count_sample(id, view, sampler, uv, top, {});
-        return gnomon::sample_compare(view, sampler, profile(), uv, reference, top);
+        const TextureView view = compared(id, sampler);
+        return count_and_compare(id, view, sampler, uv, reference, LevelOfDetail<Real>(Real(0.0f)));
+    }
+    /// Comparison with the level of detail and the anisotropy of the quad's derivatives. D3D11.3 22.4.19
+    Real sample_compare_quad(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv,
+                             const Real& reference) const {
+        const TextureView view = compared(id, sampler);
+        return count_and_compare(id, view, sampler, uv, reference, quad_lod(view, sampler, first_slice(uv)));
     }
     /// Four texels of one component (0 to 3), unfiltered. D3D11.3 22.4.2
     Vec4<Real> gather(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, int component = 0,
@@ -142,7 +162,7 @@ public:
         if (component < 0 || component > 3) [[unlikely]]
             refuse_component(environment_, id.texture, component);
         count_texels(id.texture, view.texture(), 4);
-        return gnomon::gather(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, component, offset);
+        return gnomon::gather(view, sampler, profile(), first_slice(uv), component, offset);
     }
     /// Four comparisons. D3D11.3 22.4.3
     Vec4<Real> gather_compare(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference,
@@ -151,12 +171,22 @@ public:
         if (view.texture().info().is_integer()) [[unlikely]]
             refuse_comparison(environment_, id.texture);
         count_texels(id.texture, view.texture(), 4);
-        return gnomon::gather_compare(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, reference, offset);
+        return gnomon::gather_compare(view, sampler, profile(), first_slice(uv), reference, offset);
     }
     /// One texel, unfiltered. D3D11.3 22.4.6 (ld)
     Vec4<Real> load(const TextureLevels& id, Int x, Int y, const TexelPlace& place = {}) const {
-        const bool inside = place.level >= 0 && (id.levels == 0 || place.level < id.levels);
-        return load_plane(id.texture, x, y, {inside ? id.first_level + place.level : -1, place.layer}, 0);
+        return load_plane(id.texture, x, y, stored_place(id, place), 0);
+    }
+    /// Its codes to the bit, of a format of unsigned integers; out of range 0. D3D11.3 22.4.6 (ld)
+    Vec4<Int> load_codes(const TextureLevels& id, Int x, Int y, const TexelPlace& place = {}) const {
+        const Texture& texture = this->texture(id.texture);
+        if (!texture.info().is_integer()) [[unlikely]]
+            refuse_codes(environment_, id.texture);
+        const TexelPlace at = stored_place(id, place);
+        count_texels(id.texture, texture, 1);
+        if (has_plane(texture.desc(), at, 0))
+            return gnomon::load_codes(texture, x, y, at.level, at.layer * texture.desc().samples);
+        return gnomon::load_codes(texture, Int(-1), Int(-1), 0);
     }
     /// One sample of a texel, unfiltered; out of range reads as 0. D3D11.3 22.4.7 (ld2dms)
     Vec4<Real> load(const MultisampledTexture& id, Int x, Int y, int sample, int layer = 0) const {
@@ -190,6 +220,7 @@ public:
     Real rsqrt(const Real& x) const { return gnomon::rsqrt(x); }
     Real exp2(const Real& x) const { return gnomon::exp2(x); }
     Real log2(const Real& x) const { return gnomon::log2(x); }
+    SinCosLanes<Real> sin_cos(const Real& x) const { return gnomon::sin_cos(x); }
 
 private:
     [[nodiscard]] const Profile& profile() const { return *environment_.profile; }
@@ -220,13 +251,29 @@ private:
             refuse_filter(environment_, id.texture);
         return view;
     }
+    [[nodiscard]] TextureView compared(const TextureLevels& id, const Sampler& sampler) const {
+        const TextureView view = filtered(id, sampler, {0, 0});
+        if (view.texture().info().is_integer()) [[unlikely]]
+            refuse_comparison(environment_, id.texture);
+        return view;
+    }
+    static Vec3<Real> first_slice(const Vec2<Real>& uv) { return {uv.x, uv.y, Real(0.0f)}; }
+
+    /// A place among all levels of the texture; -1 for levels that the constant leaves out.
+    static TexelPlace stored_place(const TextureLevels& id, const TexelPlace& place) {
+        const bool inside = place.level >= 0 && (id.levels == 0 || place.level < id.levels);
+        return {inside ? id.first_level + place.level : -1, place.layer};
+    }
+    static bool has_plane(const TextureDesc& desc, const TexelPlace& place, int sample) {
+        return place.level >= 0 && place.level < desc.levels && place.layer >= 0 && place.layer < desc.layers && sample >= 0 &&
+               sample < desc.samples;
+    }
     Vec4<Real> load_plane(TextureId id, Int x, Int y, const TexelPlace& place, int sample) const {
         const Texture& texture = this->texture(id);
         const TextureDesc& desc = texture.desc();
-        const bool inside = place.level >= 0 && place.level < desc.levels && place.layer >= 0 && place.layer < desc.layers &&
-                            sample >= 0 && sample < desc.samples;
         count_texels(id, texture, 1);
-        if (inside) return load_texel<Real>(texture, x, y, place.level, place.layer * desc.samples + sample);
+        if (has_plane(desc, place, sample))
+            return load_texel<Real>(texture, x, y, place.level, place.layer * desc.samples + sample);
         return load_texel<Real>(texture, Int(-1), Int(-1), 0);
     }
 
@@ -234,22 +281,30 @@ private:
         return sampler.mip != MipFilter::Base || sampler.min != sampler.mag || sampler.max_anisotropy > 1;
     }
 
-    LevelOfDetail<Real> quad_lod(const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv) const {
+    /// Of the quad's derivatives, which are not taken where the sampler has no use for them.
+    LevelOfDetail<Real> quad_lod(const TextureView& view, const Sampler& sampler, const Vec3<Real>& coordinate) const {
+        if (!needs_lod(sampler)) return LevelOfDetail<Real>(Real(0.0f));
         note_derivative([&](std::uint32_t bits) { return quad_gradients_readers(bits, profile()); });
+        const Vec2<Real> uv{coordinate.x, coordinate.y};
         return level_of_detail(quad_gradients(uv, profile()), view, sampler, profile());
     }
 
-    Vec4<Real> count_and_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv,
-                                const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
-        count_sample(id, view, sampler, uv, lod, operands);
-        return gnomon::sample(view, sampler, profile(), uv, lod, operands);
+    Vec4<Real> count_and_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler,
+                                const Vec3<Real>& coordinate, const LevelOfDetail<Real>& lod,
+                                const SampleOperands<Real>& operands) const {
+        count_sample(id, view, sampler, coordinate, lod, operands);
+        return gnomon::sample(view, sampler, profile(), coordinate, lod, operands);
+    }
+    Real count_and_compare(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv,
+                           const Real& reference, const LevelOfDetail<Real>& lod) const {
+        count_sample(id, view, sampler, first_slice(uv), lod, {});
+        return gnomon::sample_compare(view, sampler, profile(), uv, reference, lod);
     }
 
-    void count_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec2<Real>& uv,
+    void count_sample(const TextureLevels& id, const TextureView& view, const Sampler& sampler, const Vec3<Real>& coordinate,
                       const LevelOfDetail<Real>& lod, const SampleOperands<Real>& operands) const {
         if (tally_ == nullptr) return;
-        const SampleCost cost =
-            sample_cost(view, sampler, profile(), Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod, operands, flow_.active());
+        const SampleCost cost = sample_cost(view, sampler, profile(), coordinate, lod, operands, flow_.active());
         tally_->counters.texture_instructions += static_cast<std::uint64_t>(std::popcount(flow_.active()));
         tally_->counters.texture_probes += cost.probes;
         tally_->counters.texels_fetched += cost.texels;

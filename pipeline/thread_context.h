@@ -157,6 +157,7 @@ public:
     Real rsqrt(const Real& x) const { return gnomon::rsqrt(x); }
     Real exp2(const Real& x) const { return gnomon::exp2(x); }
     Real log2(const Real& x) const { return gnomon::log2(x); }
+    SinCosLanes<Real> sin_cos(const Real& x) const { return gnomon::sin_cos(x); }
 
 private:
     [[nodiscard]] Buffer& buffer(BufferId name) const {

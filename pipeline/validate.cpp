@@ -447,6 +447,10 @@ void refuse_filter(const PixelEnvironment& environment, TextureId id) {
 void refuse_comparison(const PixelEnvironment& environment, TextureId id) {
     fail("{} holds {}: integers are not compared", place_of(environment, id), format_of(environment, id).name);
 }
+void refuse_codes(const PixelEnvironment& environment, TextureId id) {
+    fail("{} holds {}, and its codes are loaded: expected a format of unsigned integers", place_of(environment, id),
+         format_of(environment, id).name);
+}
 void refuse_offset(const PixelEnvironment& environment, TextureId id, const glm::ivec2& offset) {
     fail("{} is read with the offset ({}, {}), expected -8 to 7", place_of(environment, id), offset.x, offset.y);
 }

@@ -48,6 +48,9 @@ Vec4<Real> gather_compare(const TextureView& view, const Sampler& sampler, const
 template <class Real>
 Vec4<Real> load_texel(const Texture& texture, Int x, Int y, int level, int layer = 0);
 
+/// The same texel's codes, as stored; outside the level as load_texel. D3D11.3 22.4.6 (ld), 19.1.4
+Vec4<Int> load_codes(const Texture& texture, Int x, Int y, int level, int layer = 0);
+
 /// The codes of the texel that a nearest filter takes, as stored: what formats of unsigned integers are for.
 /// D3D11.3 22.4.15, 19.1.4
 template <class Real>

@@ -56,6 +56,20 @@ struct NoTap {
     std::array<Real, 1> operator()(Int, Mask) const { return {Real(0.0f)}; }
 };
 
+/// Where a texel of one level of a layer is stored; lanes outside of the level are sent to its first.
+struct TexelLanes {
+    Int offset;
+    Mask inside;
+};
+GNOMON_INLINE TexelLanes locate_texel(const Texture& texture, Int x, Int y, int level, int layer) {
+    const Int width(texture.width(level));
+    const Int height(texture.height(level));
+    const Mask inside = (x >= Int(0)) & (x < width) & (y >= Int(0)) & (y < height);
+    const LevelLanes place = locate_level(texture.table(), Int(level));
+    const Int within = select(inside, y * place.pitch + x * Int(texture.info().bytes_per_texel), Int(0));
+    return {place.offset + Int(layer * texture.layer_stride()) + within, inside};
+}
+
 }  // namespace
 
 template <class Real>
@@ -149,17 +163,22 @@ Vec4<Int> sample_codes(const TextureView& view, const Sampler& given, const Prof
 
 template <class Real>
 Vec4<Real> load_texel(const Texture& texture, Int x, Int y, int level, int layer) {
-    const Int width(texture.width(level));
-    const Int height(texture.height(level));
-    const Mask inside = (x >= Int(0)) & (x < width) & (y >= Int(0)) & (y < height);
-    const LevelLanes place = locate_level(texture.table(), Int(level));
-    const Int within = select(inside, y * place.pitch + x * Int(texture.info().bytes_per_texel), Int(0));
-    const Int offset = place.offset + Int(layer * texture.layer_stride()) + within;
+    const TexelLanes at = locate_texel(texture, x, y, level, layer);
     return with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
-        const Vec4<Real> color = expand(AnyCodec::template decode<Real>(AnyCodec::load(texture.data(), offset)));
+        const Vec4<Real> color = expand(AnyCodec::template decode<Real>(AnyCodec::load(texture.data(), at.offset)));
         const Vec4<Real> nothing = out_of_bounds<Real>(texture.info());
-        return Vec4<Real>{select(inside, color.x, nothing.x), select(inside, color.y, nothing.y),
-                          select(inside, color.z, nothing.z), select(inside, color.w, nothing.w)};
+        return Vec4<Real>{select(at.inside, color.x, nothing.x), select(at.inside, color.y, nothing.y),
+                          select(at.inside, color.z, nothing.z), select(at.inside, color.w, nothing.w)};
+    });
+}
+
+Vec4<Int> load_codes(const Texture& texture, Int x, Int y, int level, int layer) {
+    const TexelLanes at = locate_texel(texture, x, y, level, layer);
+    return with_codec(texture.desc().format, [&]<class AnyCodec>(AnyCodec) {
+        const auto words = AnyCodec::load(texture.data(), at.offset);
+        std::array<Int, 4> codes{Int(0), Int(0), Int(0), Int(1)};
+        for (std::size_t c = 0; c < AnyCodec::kComponents; ++c) codes[c] = select(at.inside, AnyCodec::code(words, c), Int(0));
+        return Vec4<Int>{codes[0], codes[1], codes[2], codes[3]};
     });
 }
 
