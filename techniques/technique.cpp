@@ -2,6 +2,7 @@
 
 #include "sim/warn.h"
 #include "techniques/pcf.h"
+#include "techniques/savsm.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
 #include "texunit/aniso.h"
@@ -59,7 +60,7 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm, kSavsm};
     return techniques;
 }
 

@@ -70,7 +70,8 @@ TEST_CASE("an exported scene renders the same bytes", "[cli]") {
 TEST_CASE("technique all has a folder per technique, and a contact sheet shows them", "[cli]") {
     const TemporaryFolder folder;
     REQUIRE(gnomon_run(folder, "render --scene planes --technique all --size 64x48 --map 64 --out o/planes").code == 0);
-    CHECK(files_in(folder.path() / "o/planes") == std::set<std::string>{"shadow-map", "pcf-hw", "pcf", "pcf-bilinear", "vsm"});
+    CHECK(files_in(folder.path() / "o/planes") ==
+          std::set<std::string>{"shadow-map", "pcf-hw", "pcf", "pcf-bilinear", "vsm", "savsm"});
     CHECK(files_in(folder.path() / "o/planes/vsm") == kResultFiles);
     REQUIRE(gnomon_run(folder, "contact-sheet o").code == 0);
     const std::string html = text_of(folder.path() / "o/index.html");

@@ -1,0 +1,105 @@
+// What a pixel covers of a map, from the derivatives of its quad, and the rectangle of texels that holds it.
+// D3D11.3 7.18.11 (footprint, limit of anisotropy)
+#pragma once
+
+#include "sim/lanes.h"
+#include "sim/math.h"
+#include "sim/vec.h"
+
+#include <glm/vec2.hpp>
+
+namespace gnomon::techniques {
+
+/// The parallelogram centre + a dx + b dy, |a|, |b| <= 1/2.
+template <class Real>
+struct PixelFootprint {
+    Vec2<Real> dx;  // normalised coordinates or texels
+    Vec2<Real> dy;
+};
+
+/// In the coordinates of `uv`. Takes derivatives: not behind a branch.
+template <class F, class Real = typename F::Real>
+PixelFootprint<Real> pixel_footprint(const F& f, const Vec2<Real>& uv) {
+    return {{f.ddx(uv.x), f.ddx(uv.y)}, {f.ddy(uv.x), f.ddy(uv.y)}};
+}
+
+/// Normalised coordinates to those of a map of so many texels.
+template <class Real>
+Vec2<Real> to_texels(const Vec2<Real>& uv, const glm::ivec2& size) {
+    return {uv.x * Real(static_cast<float>(size.x)), uv.y * Real(static_cast<float>(size.y))};
+}
+template <class Real>
+PixelFootprint<Real> to_texels(const PixelFootprint<Real>& footprint, const glm::ivec2& size) {
+    return {to_texels(footprint.dx, size), to_texels(footprint.dy, size)};
+}
+
+/// The footprint (texels) widened until its longer side is at most `limit` (>= 1) times its height over it: a texture unit,
+/// too, lengthens the minor axis past its limit of anisotropy (D3D11.3 7.18.11). The shorter vector moves away from the longer
+/// one, perpendicularly. Where both are zero, not finite, or too short to be squared, nothing changes.
+template <class Real>
+PixelFootprint<Real> with_anisotropy_limit(const PixelFootprint<Real>& footprint, float limit) {
+    const Real xx = dot(footprint.dx, footprint.dx);
+    const Real yy = dot(footprint.dy, footprint.dy);
+    const Mask x_is_longer = xx >= yy;
+    const auto pick = [&](const Vec2<Real>& if_x, const Vec2<Real>& if_y) {
+        return Vec2<Real>{select(x_is_longer, if_x.x, if_y.x), select(x_is_longer, if_x.y, if_y.y)};
+    };
+    const Vec2<Real> longer = pick(footprint.dx, footprint.dy);
+    const Vec2<Real> shorter = pick(footprint.dy, footprint.dx);
+
+    const Real length = sqrt(max(xx, yy));
+    const Real cross = longer.x * shorter.y - longer.y * shorter.x;
+    const Real missing = length / Real(limit) - abs(cross) / length;
+    const Real per_length = select(cross < Real(0.0f), Real(0.0f) - missing, missing) / length;
+    const Vec2<Real> moved{shorter.x - longer.y * per_length, shorter.y + longer.x * per_length};
+
+    const Mask widens = (length > Real(0.0f)) & (missing > Real(0.0f));
+    const Mask moves_x = widens & !x_is_longer;
+    const Mask moves_y = widens & x_is_longer;
+    return {{select(moves_x, moved.x, footprint.dx.x), select(moves_x, moved.y, footprint.dx.y)},
+            {select(moves_y, moved.x, footprint.dy.x), select(moves_y, moved.y, footprint.dy.y)}};
+}
+
+/// Texel (i, j) covers [i, i + 1] x [j, j + 1].
+template <class Real>
+struct TexelRectangle {
+    Vec2<Real> low;
+    Vec2<Real> high;
+};
+
+template <class Real>
+Real area(const TexelRectangle<Real>& rectangle) {
+    return (rectangle.high.x - rectangle.low.x) * (rectangle.high.y - rectangle.low.y);
+}
+
+/// Sides of rectangles, texels.
+struct SideLimits {
+    float least = 1.0f;
+    float most = 16384.0f;  // >= least
+};
+
+/// The smallest rectangle with sides along the axes and in the limits that holds the footprint (texels) around `centre`; of
+/// what is not a number, the least.
+template <class Real>
+TexelRectangle<Real> bounding_rectangle(const PixelFootprint<Real>& footprint, const Vec2<Real>& centre,
+                                        const SideLimits& limits) {
+    const auto half_side = [&](const Real& x, const Real& y) {
+        return Real(0.5f) * clamp_to_numbers(abs(x) + abs(y), Real(limits.least), Real(limits.most));
+    };
+    const Vec2<Real> half{half_side(footprint.dx.x, footprint.dy.x), half_side(footprint.dx.y, footprint.dy.y)};
+    return {{centre.x - half.x, centre.y - half.y}, {centre.x + half.x, centre.y + half.y}};
+}
+
+/// What lies inside a map, and at least half a texel of it per axis, which a rectangle has that is a texel wide and whose
+/// centre is in the map. Always finite.
+template <class Real>
+TexelRectangle<Real> clamped_to(const TexelRectangle<Real>& rectangle, const glm::ivec2& size) {
+    const Real half(0.5f);
+    const Vec2<Real> end{Real(static_cast<float>(size.x)), Real(static_cast<float>(size.y))};
+    const Vec2<Real> low{clamp_to_numbers(rectangle.low.x, Real(0.0f), end.x - half),
+                         clamp_to_numbers(rectangle.low.y, Real(0.0f), end.y - half)};
+    return {low,
+            {clamp_to_numbers(rectangle.high.x, low.x + half, end.x), clamp_to_numbers(rectangle.high.y, low.y + half, end.y)}};
+}
+
+}  // namespace gnomon::techniques
