@@ -89,12 +89,12 @@ struct FloatRows {
 
     ReadImage moments{};
     RwImage table{};
-    MomentSplit split{};
+    TableCoding coding{};
     int count = 0;  // texels of a row
 
     static constexpr auto fields() {
         using R = FloatRows;
-        return std::tuple{Field{"moments", &R::moments}, Field{"table", &R::table}, Field{"split", &R::split},
+        return std::tuple{Field{"moments", &R::moments}, Field{"table", &R::table}, Field{"coding", &R::coding},
                           Field{"count", &R::count}};
     }
 
@@ -105,7 +105,7 @@ struct FloatRows {
             g, count,
             [&](const auto& t, Int line, Int at) {
                 const Vec4<Real> texel = t.load(moments, at, line);
-                return first_of<kSums>(split.store(Moments<Real>{texel.x, texel.y}));
+                return first_of<kSums>(coding.store(Moments<Real>{texel.x, texel.y}));
             },
             [&](const auto& t, Int line, Int at, const auto& sums) { t.store(table, at, line, texel_of(sums)); });
     }
@@ -197,7 +197,8 @@ const TablePrograms& fixed_programs() {
 
 /// ceil(log2(texels)).
 int log2_texels(const TableDesc& desc) {
-    return std::bit_width(static_cast<std::uint64_t>(desc.width) * static_cast<std::uint64_t>(desc.height) - 1);
+    return static_cast<int>(
+        std::bit_width(static_cast<std::uint32_t>(desc.width) * static_cast<std::uint32_t>(desc.height) - 1));
 }
 
 }  // namespace
@@ -245,7 +246,7 @@ void SummedAreaTable::build(TextureId moments) const {
         const FixedRows rows{.moments = {moments}, .table = {table_}, .fixed = coding_.fixed, .count = width};
         rows_and_columns(fixed_programs(), rows, FixedColumns{.table = {table_}, .count = height});
     } else if (coding_.split.factor != 0.0f) {
-        const FloatRows<4> rows{.moments = {moments}, .table = {table_}, .split = coding_.split, .count = width};
+        const FloatRows<4> rows{.moments = {moments}, .table = {table_}, .coding = coding_, .count = width};
         rows_and_columns(split_programs(), rows, FloatColumns<4>{.table = {table_}, .count = height});
     } else {
         const FloatRows<2> rows{.moments = {moments}, .table = {table_}, .count = width};

@@ -65,6 +65,18 @@ struct TableCoding {
     static constexpr auto fields() {
         return std::tuple{Field{"split", &TableCoding::split}, Field{"fixed", &TableCoding::fixed}};
     }
+
+    /// The floats that are added up. Fine parts are taken from their middle, so that their sums stay small.
+    template <class Real>
+    [[nodiscard]] Vec4<Real> store(const Moments<Real>& moments) const {
+        const Vec4<Real> parts = split.store(moments);
+        return {parts.x, parts.y, parts.z - Real(0.5f), parts.w - Real(0.5f)};
+    }
+    /// Of means of them.
+    template <class Real>
+    [[nodiscard]] Moments<Real> restore(const Vec4<Real>& means) const {
+        return split.restore(Vec4<Real>{means.x, means.y, means.z + Real(0.5f), means.w + Real(0.5f)});
+    }
 };
 
 /// What a table of some size is to hold.
@@ -133,7 +145,7 @@ struct SummedAreaLookup {
         }
         const auto load = [&](Int x, Int y) { return f.load(table, x, y); };
         const Vec4<Real> sum = weighted_sum(columns, rows, load, [](const Real& same) { return same; });
-        return coding.split.restore(Vec4<Real>{sum.x * share, sum.y * share, sum.z * share, sum.w * share});
+        return coding.restore(Vec4<Real>{sum.x * share, sum.y * share, sum.z * share, sum.w * share});
     }
 
 private:
