@@ -8,7 +8,7 @@ namespace gnomon::techniques {
 
 namespace {
 
-constexpr std::array kFormats{Format::Rg32Float, Format::Rgba32Float, Format::Rg32Uint};
+constexpr std::array kFormats{Format::Rgba32Float, Format::Rg32Float, Format::Rg32Uint};
 constexpr std::array kFilters{MapFilter::Nearest};
 
 std::vector<Parameter> parameters() {

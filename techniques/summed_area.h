@@ -66,16 +66,15 @@ struct TableCoding {
         return std::tuple{Field{"split", &TableCoding::split}, Field{"fixed", &TableCoding::fixed}};
     }
 
-    /// The floats that are added up. Fine parts are taken from their middle, so that their sums stay small.
+    /// The floats that are added up. Of a split, coarse parts are rounded to nearest, not down, and fine parts lie in
+    /// [-1/2, 1/2]: exact, and with sums that stay small.
     template <class Real>
-    [[nodiscard]] Vec4<Real> store(const Moments<Real>& moments) const {
-        const Vec4<Real> parts = split.store(moments);
-        return {parts.x, parts.y, parts.z - Real(0.5f), parts.w - Real(0.5f)};
-    }
-    /// Of means of them.
-    template <class Real>
-    [[nodiscard]] Moments<Real> restore(const Vec4<Real>& means) const {
-        return split.restore(Vec4<Real>{means.x, means.y, means.z + Real(0.5f), means.w + Real(0.5f)});
+    [[nodiscard]] Vec4<Real> store(const Moments<Real>& m) const {
+        if (split.factor == 0.0f) return split.store(m);
+        const Moments<Real> scaled{m.first * Real(split.factor), m.second * Real(split.factor)};
+        const Moments<Real> whole{floor(scaled.first + Real(0.5f)), floor(scaled.second + Real(0.5f))};
+        const Real unit(1.0f / split.factor);
+        return {whole.first * unit, whole.second * unit, scaled.first - whole.first, scaled.second - whole.second};
     }
 };
 
@@ -145,7 +144,7 @@ struct SummedAreaLookup {
         }
         const auto load = [&](Int x, Int y) { return f.load(table, x, y); };
         const Vec4<Real> sum = weighted_sum(columns, rows, load, [](const Real& same) { return same; });
-        return coding.restore(Vec4<Real>{sum.x * share, sum.y * share, sum.z * share, sum.w * share});
+        return coding.split.restore(Vec4<Real>{sum.x * share, sum.y * share, sum.z * share, sum.w * share});
     }
 
 private:
