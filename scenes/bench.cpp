@@ -2,22 +2,18 @@
 //
 // The leaves are far above the bench and the bench is close to the ground: Delta x / Delta y of figure 3.4 is about 8.
 #include "scenes/builders.h"
-#include "scenes/random.h"
 #include "scenes/shapes.h"
+#include "scenes/tree.h"
 #include "scenes/view.h"
 #include "sim/scalar_math.h"
 
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include <cmath>
 #include <cstdint>
 
 namespace gnomon::scenes {
 
 namespace {
-
-glm::dvec3 unit(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
 
 /// A park bench 1.8 m wide along x whose seat faces +z: slats with narrow gaps on two iron frames.
 void append_bench(Mesh& wood, Mesh& iron) {
@@ -41,60 +37,6 @@ void append_bench(Mesh& wood, Mesh& iron) {
     }
 }
 
-/// A leaf: two triangles folded along the midrib.
-void append_leaf(Shape& leaves, const glm::dvec3& stem, const glm::dvec3& along, const glm::dvec3& across) {
-    const glm::dvec3 fold = 0.25 * glm::cross(unit(along), across);
-    const auto first = static_cast<std::uint32_t>(leaves.positions.size());
-    for (const glm::dvec3& p : {stem, stem + 0.5 * along + across + fold, stem + along, stem + 0.5 * along - across + fold}) {
-        leaves.positions.emplace_back(p);
-    }
-    leaves.triangles.emplace_back(first, first + 2, first + 1);
-    leaves.triangles.emplace_back(first, first + 3, first + 2);
-}
-
-/// Leaves around a twig, each turned at random.
-void append_leaves(Shape& leaves, const glm::dvec3& from, const glm::dvec3& to, Random& random) {
-    for (int i = 0; i < 22; ++i) {
-        // Braces and separate statements: elsewhere the compiler chooses the order in which numbers are drawn.
-        const double share = random.uniform(0.25, 1.05);
-        const glm::dvec3 spread{random.uniform(-0.12, 0.12), random.uniform(-0.1, 0.1), random.uniform(-0.12, 0.12)};
-        const glm::dvec3 stem = from + (to - from) * share + spread;
-        const double turn = random.uniform(0, 2 * scalar::kPi);
-        const auto [s, c] = scalar::sincos(turn);
-        const double length = random.uniform(0.13, 0.22);
-        const glm::dvec3 along = length * unit({c, random.uniform(-0.6, 0.25), s});
-        const glm::dvec3 across = 0.3 * length * unit({-s, random.uniform(-0.3, 0.3), c});
-        append_leaf(leaves, stem, along, across);
-    }
-}
-
-/// Trunk, limbs that leave it in a spiral, twigs that leave the limbs; leaves around the twigs.
-void append_tree(Mesh& bark, Mesh& foliage, const glm::dvec3& foot) {
-    Random random(1);
-    Shape leaves;
-    const glm::dvec3 crotch = foot + glm::dvec3(0.1, 2.3, 0.05);
-    const glm::dvec3 top = foot + glm::dvec3(0.25, 4.1, 0.15);
-    append(bark, tube(foot, crotch, 0.17, 0.12, 12), kRounded);
-    append(bark, tube(crotch, top, 0.12, 0.04, 10), kRounded);
-    constexpr int kLimbs = 11;
-    for (int limb = 0; limb < kLimbs; ++limb) {
-        const double share = limb / (kLimbs - 1.0);
-        const auto [s, c] = scalar::sincos(2.39996 * limb + 0.5);  // the golden angle in radians
-        const glm::dvec3 root = crotch + (top - crotch) * (0.9 * share);
-        const double reach = 1.75 - 0.9 * share;
-        const glm::dvec3 tip = root + glm::dvec3(reach * c, random.uniform(0.5, 0.9), reach * s);
-        append(bark, tube(root, tip, 0.055 - 0.02 * share, 0.016, 6), kRounded);
-        for (int twig = 0; twig < 6; ++twig) {
-            const glm::dvec3 start = root + (tip - root) * (0.4 + 0.6 * twig / 5.0);
-            const glm::dvec3 turn{random.uniform(-0.45, 0.45), random.uniform(0.05, 0.4), random.uniform(-0.45, 0.45)};
-            const glm::dvec3 end = start + turn;
-            append(bark, tube(start, end, 0.014, 0.006, 4), kRounded);
-            append_leaves(leaves, start, end, random);
-        }
-    }
-    append(foliage, leaves, kFlat);
-}
-
 }  // namespace
 
 Scene make_bench() {
@@ -107,7 +49,7 @@ Scene make_bench() {
     Mesh bark{.name = "bark", .vertices = {}, .indices = {}, .base_color = {0.30f, 0.22f, 0.16f}};
     Mesh foliage{.name = "foliage", .vertices = {}, .indices = {}, .base_color = {0.22f, 0.48f, 0.14f}};
     append_bench(wood, iron);
-    append_tree(bark, foliage, {-0.9, 0, -1.0});
+    append_tree(bark, foliage, {.foot = {-0.9, 0, -1.0}});
     scene.meshes = {ground, wood, iron, bark, foliage};
     for (std::uint32_t mesh = 0; mesh < 5; ++mesh) scene.instances.push_back({.mesh = mesh});
 

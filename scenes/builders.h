@@ -9,5 +9,7 @@ Scene make_planes();
 Scene make_car();
 Scene make_fence();
 Scene make_bench();
+Scene make_windmill();
+Scene make_overlap();
 
 }  // namespace gnomon::scenes

@@ -6,6 +6,7 @@
 #include "sim/profile.h"
 #include "sim/progress.h"
 #include "studies/images.h"
+#include "studies/map_statistics.h"
 #include "studies/metrics.h"
 #include "techniques/frame.h"
 
@@ -94,9 +95,10 @@ struct RenderResult {
     std::vector<std::uint32_t> derivatives;  // DerivativeCause bits per pixel, row by row; empty unless asked for
     std::optional<Metrics> metrics;
     std::vector<PassResult> passes;
-    double frame_ms = 0;         // sum over the passes
-    double truth_ms = 0;         // ray tracing; shared by all techniques of an experiment
+    double frame_ms = 0;  // sum over the passes
+    double truth_ms = 0;  // ray tracing; shared by all techniques of an experiment
     Hashes hashes;
+    MapStatistics map;
     double bytes_per_texel = 0;  // of the map: techniques::storage_per_texel
 };
 

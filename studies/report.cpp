@@ -94,6 +94,7 @@ std::string report_json(const RenderResult& result) {
     json["scene"] = {
         {"triangles", result.scene.triangles}, {"meshes", result.scene.meshes}, {"instances", result.scene.instances}};
     json["map_bytes_per_texel"] = result.bytes_per_texel;
+    json["map_texels"] = fields_json(result.map);
     json["metrics"] = result.metrics ? fields_json(*result.metrics) : Json();
     json["counters"] = counters_json(result);
     json["traffic"] = traffic_json(result);

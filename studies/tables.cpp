@@ -81,6 +81,11 @@ std::string report_text(const RenderResult& result) {
                        m.p99, m.leak, m.acne);
         if (m.not_finite > 0) fmt::format_to(out, "            {} pixels are NaN or infinite\n", grouped(m.not_finite));
     }
+    const MapStatistics& map = result.map;
+    fmt::format_to(out, "map         {:g} bytes per texel\n", result.bytes_per_texel);
+    if (map.saturated + map.infinite + map.nan > 0)
+        fmt::format_to(out, "            of {} texels {} are saturated, {} infinite, {} not a number\n", grouped(map.texels),
+                       grouped(map.saturated), grouped(map.infinite), grouped(map.nan));
     fmt::format_to(out, "timings ms ");
     for (const PassResult& pass : result.passes) fmt::format_to(out, " {} {:.2f}  ", pass.name, pass.milliseconds);
     fmt::format_to(out, " frame {:.2f}\n", result.frame_ms);

@@ -44,6 +44,7 @@ void draw_casters(Device& device, std::span<const SceneDraw> scene, const scenes
                   .indices = object.indices,
                   .count = object.count,
                   .raster = pass.raster,
+                  .viewport = pass.viewport,
                   .depth = pass.depth};
         std::ranges::copy(pass.colors, draw.color.begin());
         device.execute(draw);

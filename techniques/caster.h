@@ -130,6 +130,7 @@ struct CasterPass {
     std::span<const TargetView> colors;
     TextureId depth = TextureId::None;
     RasterState raster{};
+    Viewport viewport{};
 };
 void draw_casters(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, const CasterPass& pass);
 

@@ -1,6 +1,42 @@
 #include "techniques/filtered_map.h"
 
+#include "pipeline/program.h"
+
+#include <algorithm>
+
 namespace gnomon::techniques {
+
+namespace {
+
+/// What the samples of a light pass may take; larger maps are drawn band by band. Lanes reach 2 GiB of one texture.
+constexpr std::int64_t kSampleBytes = 1ll << 28;
+
+int rows_per_band(const TechniqueSettings& settings, int slices) {
+    if (settings.map_samples == 1) return settings.map_size;
+    const std::int64_t row =
+        std::int64_t{settings.map_size} * settings.map_samples * slices * format_info(settings.format).bytes_per_texel;
+    return static_cast<int>(std::clamp<std::int64_t>(kSampleBytes / row, 1, settings.map_size));
+}
+
+/// Texels of a band to where they belong.
+struct CopyRows {
+    TextureId source = TextureId::None;
+    int slice = 0;
+    int first_row = 0;  // of the target that the source begins with
+
+    static constexpr auto fields() {
+        using C = CopyRows;
+        return std::tuple{Field{"source", &C::source}, Field{"slice", &C::slice}, Field{"first_row", &C::first_row}};
+    }
+
+    template <class F>
+    auto operator()(const F& f) const {
+        const Vec2<Int> at = pixel_of(f);
+        return f.load(source, at.x, at.y - Int(first_row), {.level = 0, .layer = slice});
+    }
+};
+
+}  // namespace
 
 std::vector<Parameter> filtered_map_parameters() {
     return {word("depth", DepthMetric::Plane,
@@ -13,6 +49,7 @@ FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int 
       settings_(settings),
       kernel_(gaussian_kernel(settings.parameters.whole("blur"))),
       slices_(slices),
+      band_rows_(rows_per_band(settings, slices)),
       full_screen_(device) {
     const int size = settings.map_size;
     TextureDesc desc{.format = settings.format,
@@ -23,10 +60,12 @@ FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int 
                      .layers = slices};
     map_ = device.create_texture("map", desc);
     desc.levels = 1;
+    desc.height = band_rows_;
+    if (band_rows_ < size) resolved_ = device.create_texture("map band", desc);
     desc.samples = settings.map_samples;
     if (settings.map_samples > 1) samples_ = device.create_texture("map samples", desc);
     depth_ = device.create_texture(
-        "light depth", {.format = Format::D32Float, .width = size, .height = size, .samples = settings.map_samples});
+        "light depth", {.format = Format::D32Float, .width = size, .height = band_rows_, .samples = settings.map_samples});
     if (kernel_.taps > 1)
         scratch_ = device.create_texture("blur scratch", {.format = settings.format, .width = size, .height = size});
 }
@@ -42,29 +81,54 @@ MapLookup FilteredMap::lookup() const {
             .in_shader = settings_.filter == MapFilter::ShaderBilinear ? 1 : 0};
 }
 
+void FilteredMap::draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+                       const LightTarget& target) const {
+    std::vector<TargetView> colors;
+    for (int slice = 0; slice < slices_; ++slice) {
+        colors.emplace_back(target.color, 0, slice);
+        device_.execute(ClearColor{colors.back(), content.nothing[static_cast<std::size_t>(slice)]});
+    }
+    device_.execute(ClearDepth{depth_, 1.0f});
+    const auto size = static_cast<float>(settings_.map_size);
+    draw_casters(device_, scene, light,
+                 {.programs = content.programs,
+                  .constants = content.constants,
+                  .euclidean = content.euclidean,
+                  .colors = colors,
+                  .depth = depth_,
+                  .raster = settings_.light_raster(),
+                  .viewport = {.y = static_cast<float>(-target.first_row), .width = size, .height = size}});
+}
+
+void FilteredMap::resolve(int first_row) const {
+    static const Program program = make_program<FullScreenVertex, CopyRows>("copy-rows");
+    const TextureId target = resolved_ == TextureId::None ? map_ : resolved_;
+    const int end = std::min(first_row + band_rows_, settings_.map_size);
+    for (int slice = 0; slice < slices_; ++slice) {
+        device_.execute(Resolve{TargetView(samples_, 0, slice), TargetView(target, 0, slice)});
+        if (target == map_) continue;
+        const CopyRows pixel{.source = target, .slice = slice, .first_row = first_row};
+        full_screen_.run_inside("copy band", program, pixel, TargetView(map_, 0, slice),
+                                {.y0 = first_row, .x1 = settings_.map_size, .y1 = end});
+    }
+}
+
 void FilteredMap::render(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
                          PassTimer& timer) const {
-    const TextureId target = samples_ == TextureId::None ? map_ : samples_;
-    timer.pass("light", [&] {
-        std::vector<TargetView> colors;
-        for (int slice = 0; slice < slices_; ++slice) {
-            const TargetView view(target, 0, slice);
-            device_.execute(ClearColor{view, content.nothing[static_cast<std::size_t>(slice)]});
-            colors.push_back(view);
+    if (samples_ == TextureId::None) {
+        timer.pass("light", [&] { draw(scene, light, content, {.color = map_}); });
+        return;
+    }
+    if (resolved_ == TextureId::None) {
+        timer.pass("light", [&] { draw(scene, light, content, {.color = samples_}); });
+        timer.pass("resolve", [&] { resolve(0); });
+        return;
+    }
+    timer.pass("light and resolve", [&] {
+        for (int row = 0; row < settings_.map_size; row += band_rows_) {
+            draw(scene, light, content, {.color = samples_, .first_row = row});
+            resolve(row);
         }
-        device_.execute(ClearDepth{depth_, 1.0f});
-        draw_casters(device_, scene, light,
-                     {.programs = content.programs,
-                      .constants = content.constants,
-                      .euclidean = content.euclidean,
-                      .colors = colors,
-                      .depth = depth_,
-                      .raster = settings_.light_raster()});
-    });
-    if (samples_ == TextureId::None) return;
-    timer.pass("resolve", [&] {
-        for (int slice = 0; slice < slices_; ++slice)
-            device_.execute(Resolve{TargetView(samples_, 0, slice), TargetView(map_, 0, slice)});
     });
 }
 

@@ -21,14 +21,36 @@ struct MapLookup {
     /// Implicit derivatives come from the quad.
     template <class F, class Real = typename F::Real>
     Vec4<Real> sample(const F& f, const Vec2<Real>& uv) const {
-        return in_shader != 0 ? bilinear(f, uv) : f.sample(texture, sampler, uv);
+        if (in_shader == 0) return f.sample(texture, sampler, uv);
+        return bilinear(f.size(texture), uv, [&](Int x, Int y) { return f.load(texture, x, y); });
+    }
+    /// The same of one slice of an array, which may differ from lane to lane; derivatives are of uv alone.
+    template <class F, class Real = typename F::Real>
+    Vec4<Real> sample_slice(const F& f, const Vec2<Real>& uv, const Real& slice) const {
+        if (in_shader == 0) return f.sample(texture, sampler, Vec3<Real>{uv.x, uv.y, slice});
+        return bilinear_slice(f, uv, slice);
+    }
+    /// ... with derivatives that the shader brings along.
+    template <class F, class Real = typename F::Real>
+    Vec4<Real> sample_slice(const F& f, const Vec2<Real>& uv, const Real& slice, const Gradients<Real>& gradients) const {
+        if (in_shader == 0) return f.sample_gradient(texture, sampler, Vec3<Real>{uv.x, uv.y, slice}, gradients);
+        return bilinear_slice(f, uv, slice);
     }
 
 private:
-    /// As on hardware that does not filter 32-bit floats. [Donnelly06] section 4, [Lauritzen08] 3.1
     template <class F, class Real = typename F::Real>
-    Vec4<Real> bilinear(const F& f, const Vec2<Real>& uv) const {
+    Vec4<Real> bilinear_slice(const F& f, const Vec2<Real>& uv, const Real& slice) const {
         const glm::ivec2 size = f.size(texture);
+        const Vec2<Real> texel{Real(1.0f / static_cast<float>(size.x)), Real(1.0f / static_cast<float>(size.y))};
+        return bilinear(size, uv, [&](Int x, Int y) {  // the sampler is a nearest one, asked for the middle of a texel
+            const Vec3<Real> at{(Real(x) + Real(0.5f)) * texel.x, (Real(y) + Real(0.5f)) * texel.y, slice};
+            return f.sample_level(texture, sampler, at, Real(0.0f));
+        });
+    }
+
+    /// As on hardware that does not filter 32-bit floats. [Donnelly06] section 4
+    template <class Real, class Fetch>
+    static Vec4<Real> bilinear(const glm::ivec2& size, const Vec2<Real>& uv, const Fetch& fetch) {
         const auto axis = [](const Real& coordinate, int texels) {
             const Real position = coordinate * Real(static_cast<float>(texels)) - Real(0.5f);
             const Real whole = floor(clamp(position, Real(-1.0f), Real(static_cast<float>(texels))));
@@ -36,14 +58,15 @@ private:
         };
         const auto [x, u] = axis(uv.x, size.x);
         const auto [y, v] = axis(uv.y, size.y);
-        const auto texel = [&](Int right, Int down) {
-            return f.load(texture, clamp(x + right, Int(0), Int(size.x - 1)), clamp(y + down, Int(0), Int(size.y - 1)));
+        const auto texel = [&](Int column, Int row) {
+            return fetch(clamp(column, Int(0), Int(size.x - 1)), clamp(row, Int(0), Int(size.y - 1)));
         };
         const auto mix = [](const Vec4<Real>& a, const Vec4<Real>& b, const Real& t) {
             return Vec4<Real>{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.z + (b.z - a.z) * t, a.w + (b.w - a.w) * t};
         };
-        return mix(mix(texel(Int(0), Int(0)), texel(Int(1), Int(0)), u), mix(texel(Int(0), Int(1)), texel(Int(1), Int(1)), u),
-                   v);
+        const Vec4<Real> upper = mix(texel(x, y), texel(x + Int(1), y), u);
+        const Vec4<Real> lower = mix(texel(x, y + Int(1)), texel(x + Int(1), y + Int(1)), u);
+        return mix(upper, lower, v);
     }
 };
 
@@ -73,12 +96,24 @@ public:
     [[nodiscard]] MapLookup lookup() const;
 
 private:
+    /// Where the light pass draws: the map itself, or a band of it with several samples.
+    struct LightTarget {
+        TextureId color = TextureId::None;
+        int first_row = 0;
+    };
+    void draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+              const LightTarget& target) const;
+    /// The mean of the samples of a band into the rows of the map that it stands for.
+    void resolve(int first_row) const;
+
     Device& device_;
     TechniqueSettings settings_;
     GaussianKernel kernel_;
     int slices_;
+    int band_rows_;  // what the textures of the light pass hold at a time: the whole map, unless its samples are too many
     TextureId map_ = TextureId::None;
-    TextureId samples_ = TextureId::None;  // None: the map itself is rendered to
+    TextureId samples_ = TextureId::None;   // None: the map itself is rendered to
+    TextureId resolved_ = TextureId::None;  // None: resolves go into the map itself
     TextureId depth_ = TextureId::None;
     TextureId scratch_ = TextureId::None;  // None: no blur
     FullScreen full_screen_;

@@ -12,7 +12,7 @@ FullScreen::FullScreen(Device& device) : device_(device) {
 }
 
 void FullScreen::draw(std::string_view label, const Program& program, std::span<const std::byte> constants,
-                      std::span<const TargetView> colors, TargetView depth) const {
+                      const Targets& targets) const {
     const FullScreenVertex vertex;
     Draw draw{.label = label,
               .program = &program,
@@ -21,8 +21,9 @@ void FullScreen::draw(std::string_view label, const Program& program, std::span<
               .vertices = triangle_,
               .count = 3,
               .depth_state = {.compare = CompareOp::Always},
-              .depth = depth};
-    std::ranges::copy(colors, draw.color.begin());
+              .scissors = targets.scissors,
+              .depth = targets.depth};
+    std::ranges::copy(targets.colors, draw.color.begin());
     device_.execute(draw);
 }
 

@@ -40,17 +40,28 @@ public:
 
     template <class Pixel>
     void run(std::string_view label, const Program& program, const Pixel& pixel, std::span<const TargetView> colors) const {
-        draw(label, program, constants_of(pixel), colors, {});
+        draw(label, program, constants_of(pixel), {.colors = colors});
+    }
+    /// Into the pixels of a rectangle alone.
+    template <class Pixel>
+    void run_inside(std::string_view label, const Program& program, const Pixel& pixel, TargetView color,
+                    const ScissorRect& rectangle) const {
+        draw(label, program, constants_of(pixel), {.colors = {&color, 1}, .scissors = {&rectangle, 1}});
     }
     /// Into a depth texture: the functor's depth output replaces what is there.
     template <class Pixel>
     void run_depth(std::string_view label, const Program& program, const Pixel& pixel, TargetView depth) const {
-        draw(label, program, constants_of(pixel), {}, depth);
+        draw(label, program, constants_of(pixel), {.depth = depth});
     }
 
 private:
+    struct Targets {
+        std::span<const TargetView> colors{};
+        TargetView depth{};
+        std::span<const ScissorRect> scissors{};
+    };
     void draw(std::string_view label, const Program& program, std::span<const std::byte> constants,
-              std::span<const TargetView> colors, TargetView depth) const;
+              const Targets& targets) const;
 
     Device& device_;
     BufferId triangle_;

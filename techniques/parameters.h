@@ -11,6 +11,19 @@
 
 namespace gnomon::techniques {
 
+/// Words of parameters that are on or off.
+enum class Switch { Off, On };
+
+}  // namespace gnomon::techniques
+
+namespace gnomon {
+template <>
+inline constexpr std::array kEnumNames<techniques::Switch>{EnumName{techniques::Switch::Off, "off"},
+                                                           EnumName{techniques::Switch::On, "on"}};
+}  // namespace gnomon
+
+namespace gnomon::techniques {
+
 enum class ParameterKind {
     Number,  // finite decimal number
     Whole,   // integer

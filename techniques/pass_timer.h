@@ -4,7 +4,9 @@
 #include "pipeline/device.h"
 
 #include <chrono>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,7 +21,9 @@ struct PassRecord {
 
 class PassTimer {
 public:
-    explicit PassTimer(Device& device) : device_(device) {}
+    /// `after` is called behind every pass with its name; its time does not count.
+    explicit PassTimer(Device& device, std::function<void(std::string_view)> after = {})
+        : device_(device), after_(std::move(after)) {}
 
     /// Runs one pass and records it.
     template <class Body>
@@ -29,12 +33,14 @@ public:
         const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
         const Tally tally = device_.take_tally();
         records_.push_back({std::move(name), elapsed.count(), tally.counters, device_.traffic(tally)});
+        if (after_) after_(records_.back().name);
     }
 
     [[nodiscard]] const std::vector<PassRecord>& records() const { return records_; }
 
 private:
     Device& device_;
+    std::function<void(std::string_view)> after_;
     std::vector<PassRecord> records_;
 };
 

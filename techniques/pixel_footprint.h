@@ -54,6 +54,21 @@ PixelFootprint<Real> with_anisotropy_limit(const PixelFootprint<Real>& footprint
             lengthened(footprint.dy, y_length, footprint.dx, x_length)};
 }
 
+/// Sides (texels) no shorter than `least`; one without length lies along an axis.
+template <class Real>
+PixelFootprint<Real> with_least_width(const PixelFootprint<Real>& footprint, const Real& least) {
+    const Real zero(0.0f);
+    const auto widened = [&](const Vec2<Real>& side, const Vec2<Real>& axis) {
+        const Real length = sqrt(dot(side, side));
+        const Real scale = least / length;
+        const Mask is_short = length < least;
+        const Mask has_length = length > zero;
+        return Vec2<Real>{select(is_short, select(has_length, side.x * scale, axis.x), side.x),
+                          select(is_short, select(has_length, side.y * scale, axis.y), side.y)};
+    };
+    return {widened(footprint.dx, {least, zero}), widened(footprint.dy, {zero, least})};
+}
+
 /// Texel (i, j) covers [i, i + 1] x [j, j + 1].
 template <class Real>
 struct TexelRectangle {

@@ -99,6 +99,7 @@ auto map_position(const F& f) {
 /// One comparison sample of a map of depths.
 template <class F, class Real = typename F::Real>
 Real compare_sample(const F& f, TextureId map, const Sampler& sampler, const MapPosition<Real>& at) {
+    if (sampler.max_anisotropy > 1) return f.sample_compare_quad(map, sampler, at.uv, at.depth);
     return f.sample_compare(map, sampler, at.uv, at.depth);
 }
 

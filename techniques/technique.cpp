@@ -1,7 +1,13 @@
 #include "techniques/technique.h"
 
 #include "sim/warn.h"
+#include "techniques/csm.h"
+#include "techniques/esm.h"
+#include "techniques/evsm.h"
+#include "techniques/lvsm.h"
+#include "techniques/msm.h"
 #include "techniques/pcf.h"
+#include "techniques/pcf_footprint.h"
 #include "techniques/savsm.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
@@ -60,7 +66,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf, kPcfBilinear, kVsm, kSavsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,  kLvsm,
+                                       kEsm,       kEvsm2,       kEvsm4, kCsm,         kMsm,          kSavsm};
     return techniques;
 }
 

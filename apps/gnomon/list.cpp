@@ -4,6 +4,7 @@
 #include "scenes/procedural.h"
 #include "sim/error.h"
 #include "sim/profile.h"
+#include "studies/study.h"
 #include "techniques/technique.h"
 #include "texunit/format.h"
 
@@ -87,6 +88,13 @@ void list_formats() {
                    format.has_stencil ? "  and a byte of stencil" : "");
 }
 
+void list_studies() {
+    fmt::print("studies (gnomon study NAME)\n");
+    for (const studies::Study& study : studies::all_studies())
+        fmt::print("  {:<14} {}\n  {:<14} {} cases on {}; source {}\n", study.name, study.summary, "", study.cases.size(),
+                   fmt::join(study.scenes, ", "), study.source);
+}
+
 struct ListOptions {
     std::string what;
     bool verbose = false;
@@ -97,6 +105,7 @@ void list(const ListOptions& options) {
     const auto chosen = [&](std::string_view name) { return everything || options.what == name; };
     if (chosen("scenes")) list_scenes();
     if (chosen("techniques")) list_techniques(options.verbose);
+    if (chosen("studies")) list_studies();
     if (chosen("profiles")) list_profiles(options.verbose);
     if (chosen("formats")) list_formats();
 }
@@ -104,16 +113,16 @@ void list(const ListOptions& options) {
 }  // namespace
 
 void add_list(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, profiles and formats");
+    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, studies, profiles and formats");
     const auto options = std::make_shared<ListOptions>();
-    command->add_option("what", options->what, "scenes, techniques, profiles or formats; all of them without it")
+    command->add_option("what", options->what, "scenes, techniques, studies, profiles or formats; all of them without it")
         ->type_name("WHAT");
     command->add_flag("--verbose", options->verbose,
                       "Explain every parameter of every technique, and every field of every profile with its source");
     command->callback([options] {
-        constexpr std::array<std::string_view, 5> kWhat{"", "scenes", "techniques", "profiles", "formats"};
+        constexpr std::array<std::string_view, 6> kWhat{"", "scenes", "techniques", "studies", "profiles", "formats"};
         if (std::ranges::find(kWhat, options->what) == kWhat.end())
-            fail("list {}: expected scenes, techniques, profiles or formats", options->what);
+            fail("list {}: expected scenes, techniques, studies, profiles or formats", options->what);
         list(*options);
     });
 }

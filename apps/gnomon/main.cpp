@@ -34,12 +34,14 @@ int run(int argc, char** argv) {
         "  gnomon list\n"
         "  gnomon render --scene car --technique all --out out/car\n"
         "  gnomon contact-sheet out\n"
+        "  gnomon study equal-storage --out out/studies\n"
         "  echo '0.3 0.6' | gnomon sample --checker 8x8 --footprint\n"
         "  echo '1 1 9 1 1 9' | gnomon coverage --size 16x16 --samples 4");
     gnomon::cli::add_list(app);
     gnomon::cli::add_render(app);
     gnomon::cli::add_export(app);
     gnomon::cli::add_contact_sheet(app);
+    gnomon::cli::add_study(app);
     gnomon::cli::add_sample(app);
     gnomon::cli::add_convert(app);
     gnomon::cli::add_coverage(app);
@@ -49,8 +51,8 @@ int run(int argc, char** argv) {
         const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
         if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), is_named))
             return complain(fmt::format(
-                "'{}' is not a command; expected list, render, export, contact-sheet, sample, convert, coverage, chart or "
-                "pipeline-chart",
+                "'{}' is not a command; expected list, render, study, export, contact-sheet, sample, convert, coverage, "
+                "chart or pipeline-chart",
                 argv[1]));
         app.parse(argc, argv);
         if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return complain("the output cannot be written to stdout");

@@ -56,6 +56,14 @@ Progress ProgressLine::progress() {
     return progress;
 }
 
+void ProgressLine::print(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    if (painter_.joinable()) std::fputs("\r\033[K", stderr);
+    std::fflush(stderr);
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    std::fflush(stdout);
+}
+
 void ProgressLine::set(std::string_view stage, std::size_t done, std::size_t total) {
     const std::lock_guard lock(mutex_);
     stage_ = stage;

@@ -30,6 +30,8 @@ public:
 
     /// What work is given; valid as long as this lives.
     [[nodiscard]] Progress progress();
+    /// Text for stdout while the work goes on: the line makes room.
+    void print(const std::string& text);
 
 private:
     void set(std::string_view stage, std::size_t done, std::size_t total);

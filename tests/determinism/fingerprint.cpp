@@ -47,7 +47,7 @@ void fingerprint_frame(const scenes::Scene& scene, std::string_view technique, c
     Device device(load_profile(profile), threads);
     device.enable_counters(true);
     techniques::FrameDesc desc{.width = 317, .height = 203, .technique = techniques::find_technique(technique)};
-    desc.settings = techniques::resolve_settings(desc.technique, request);
+    desc.settings = techniques::resolve_settings(desc.technique, request, device.profile());
     techniques::Frame frame(device, scene, desc);
     techniques::PassTimer timer(device);
     frame.render(timer);
@@ -189,6 +189,26 @@ void fingerprint_fuzz(const std::string& profile, std::uint64_t streams, int thr
     }
 }
 
+/// Every format and filter of a technique, every word of its parameters, a blur, several samples, probes along the footprint,
+/// double arithmetic and drivers.
+void fingerprint_choices(const scenes::Scene& scene, const techniques::Technique& technique, int threads) {
+    const auto frame = [&](techniques::TechniqueRequest request, const std::string& profile) {
+        request.map_size = 190;
+        fingerprint_frame(scene, technique.name, request, profile, threads);
+    };
+    for (const Format format : technique.formats)
+        for (const techniques::MapFilter filter : technique.filters) frame({.format = format, .filter = filter}, "d3d11");
+    for (const techniques::Parameter& parameter : technique.parameters) {
+        if (parameter.name == "blur") frame({.set = {{"blur", "5"}}}, "d3d11");
+        for (std::size_t word = 0; word < parameter.words.size(); ++word)
+            if (static_cast<double>(word) != parameter.standard)
+                frame({.set = {{std::string(parameter.name), std::string(parameter.words[word])}}}, "d3d11");
+    }
+    frame({.map_samples = 4}, "d3d11");
+    frame({.anisotropy = 16}, "d3d11");
+    for (const char* profile : {"ideal", "llvmpipe", "swiftshader", "nv40"}) frame({}, profile);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -223,17 +243,9 @@ int main(int argc, char** argv) {
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();
         for (const techniques::Technique& technique : techniques::all_techniques()) {
-            for (const Format format : technique.formats)
-                for (const techniques::MapFilter filter : technique.filters)
-                    fingerprint_frame(scene, technique.name, {.map_size = 256, .format = format, .filter = filter}, "d3d11",
-                                      threads);
-            fingerprint_frame(scene, technique.name, {.map_size = 251}, "ideal", threads);
+            fingerprint_frame(scene, technique.name, {.map_size = 251}, "d3d11", threads);
+            if (source.name == "car") fingerprint_choices(scene, technique, threads);
         }
-        fingerprint_frame(scene, "vsm", {.map_size = 251, .format = Format::Rg16Unorm, .set = {{"blur", "5"}}}, "d3d11",
-                          threads);
-        fingerprint_frame(scene, "pcf", {.map_size = 256, .set = {{"weights", "gaussian"}}}, "d3d11", threads);
-        for (const char* driver : {"llvmpipe", "swiftshader"})
-            fingerprint_frame(scene, "vsm", {.map_size = 251}, driver, threads);
     }
     return 0;
 }

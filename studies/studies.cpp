@@ -1,0 +1,121 @@
+// The table of studies.
+#include "studies/study.h"
+
+#include <algorithm>
+
+namespace gnomon::studies {
+
+namespace {
+
+using techniques::MapFilter;
+using techniques::ParameterTexts;
+using techniques::TechniqueRequest;
+
+constexpr int kMap = 512;
+
+StudyCase in_group(std::string group, std::string label, std::string technique, TechniqueRequest request) {
+    return {
+        .group = std::move(group), .label = std::move(label), .technique = std::move(technique), .request = std::move(request)};
+}
+
+/// Figure 4.5 of the thesis and beyond: what a texel of 4, 8, 16 or 32 bytes buys.
+Study equal_storage() {
+    Study study{.name = "equal-storage",
+                .summary = "convolution, layered, exponential and moment maps with as many bytes per texel",
+                .source = "[Lauritzen08] 4.1.4, Figures 4.5 and 4.7",
+                .scenes = {"bench", "windmill", "overlap"},
+                .cases = {}};
+    const auto add = [&](int bytes, std::string label, std::string technique, Format format, ParameterTexts set = {}) {
+        study.cases.push_back(in_group(fmt::format("{} bytes", bytes), std::move(label), std::move(technique),
+                                       {.map_size = kMap, .format = format, .set = std::move(set)}));
+    };
+    add(4, "vsm rg16unorm", "vsm", Format::Rg16Unorm);
+    add(4, "esm r32f", "esm", Format::R32Float);
+    add(4, "evsm2 rg16f", "evsm2", Format::Rg16Float);
+    add(8, "vsm rg32f", "vsm", Format::Rg32Float);
+    add(8, "evsm2 rg32f", "evsm2", Format::Rg32Float);
+    add(8, "evsm4 rgba16f", "evsm4", Format::Rgba16Float);
+    add(8, "msm rgba16unorm", "msm", Format::Rgba16Unorm);
+    add(16, "evsm4 rgba32f", "evsm4", Format::Rgba32Float);
+    add(16, "msm rgba32f", "msm", Format::Rgba32Float);
+    for (const int layers : {1, 2, 4, 8}) {
+        const int bytes = 4 * layers;
+        add(bytes, fmt::format("csm {} terms", 2 * layers), "csm", Format::Rgba8Unorm, {{"terms", std::to_string(2 * layers)}});
+        add(bytes, fmt::format("lvsm {} uniform", layers), "lvsm", Format::Rgba16Unorm, {{"layers", std::to_string(layers)}});
+        if (layers > 1)
+            add(bytes, fmt::format("lvsm {} lloyd", layers), "lvsm", Format::Rgba16Unorm,
+                {{"layers", std::to_string(layers)}, {"placement", "lloyd"}});
+    }
+    std::ranges::stable_sort(study.cases, {}, [](const StudyCase& c) { return std::stoi(c.group); });
+    return study;
+}
+
+/// What a format does to the moments of depth: no floor under the variance, so that nothing hides it.
+Study formats() {
+    Study study{.name = "formats",
+                .summary = "moments in every format, without a least variance: where they cancel",
+                .source = "[Donnelly06] 5.3",
+                .scenes = {"car", "bench"},
+                .cases = {}};
+    for (const char* variance : {"0", "1e-6", "1e-5", "1e-4"})
+        for (const Format format :
+             {Format::Rg32Float, Format::Rgba16Float, Format::Rg16Float, Format::Rg16Unorm, Format::Rg8Unorm})
+            for (const MapFilter filter : {MapFilter::Bilinear, MapFilter::Trilinear})
+                study.cases.push_back(
+                    in_group(fmt::format("least {}", variance), fmt::format("{} {}", name_of(format), name_of(filter)), "vsm",
+                             {.map_size = kMap, .format = format, .filter = filter, .set = {{"min-variance", variance}}}));
+    return study;
+}
+
+/// Exponents around what the format holds, with and without the clamp, where stores saturate and where they overflow.
+Study exponents() {
+    Study study{.name = "exponents",
+                .summary = "exponential variance maps around the exponent that their format can hold",
+                .source = "[Lauritzen08] 4.2",
+                .scenes = {"bench"},
+                .cases = {}};
+    const auto add = [&](Format format, const std::string& c, const std::string& profile) {
+        study.cases.push_back(
+            {.group = std::string(name_of(format)),
+             .label = fmt::format("c {} {}", c, profile),
+             .technique = "evsm4",
+             .request = {.map_size = kMap, .format = format, .set = {{"positive", c}, {"negative", c}, {"clamp", "off"}}},
+             .profile = profile});
+    };
+    for (const char* profile : {"d3d11", "g80"}) {
+        for (const char* c : {"2", "4", "5", "5.5", "5.54", "5.56", "5.6", "6", "8", "10"})
+            add(Format::Rgba16Float, c, profile);
+        for (const char* c : {"10", "20", "30", "40", "42", "44", "44.3", "44.4", "45", "50"})
+            add(Format::Rgba32Float, c, profile);
+    }
+    return study;
+}
+
+/// Frames of relaxation, from uniform splits on.
+Study relaxation() {
+    Study study{.name = "relaxation",
+                .summary = "layered maps while Lloyd's relaxation moves their splits",
+                .source = "[Lauritzen08] 4.1.2, 4.1.3",
+                .scenes = {"bench", "windmill", "overlap"},
+                .cases = {}};
+    const auto add = [&](const std::string& label, ParameterTexts set) {
+        set.insert(set.begin(), {"layers", "4"});
+        study.cases.push_back(in_group("4 layers", label, "lvsm", {.map_size = kMap, .set = std::move(set)}));
+    };
+    add("uniform", {});
+    for (const char* frames : {"1", "2", "4", "8", "15", "30", "60", "120"})
+        add(fmt::format("lloyd {} frames", frames), {{"placement", "lloyd"}, {"frames", frames}});
+    add("lloyd 60, all splits", {{"placement", "lloyd"}, {"updates", "all"}});
+    add("lloyd 60, latency 3", {{"placement", "lloyd"}, {"latency", "3"}});
+    add("lloyd 60, no teleport", {{"placement", "lloyd"}, {"teleport", "off"}});
+    return study;
+}
+
+}  // namespace
+
+std::span<const Study> all_studies() {
+    static const std::array studies{equal_storage(), formats(), exponents(), relaxation()};
+    return studies;
+}
+
+}  // namespace gnomon::studies

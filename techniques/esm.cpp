@@ -1,0 +1,35 @@
+#include "techniques/esm.h"
+
+#include "pipeline/program.h"
+
+namespace gnomon::techniques {
+
+namespace {
+
+constexpr std::array kFormats{Format::R32Float, Format::R16Float};
+constexpr std::array kFilters{MapFilter::Trilinear, MapFilter::Bilinear, MapFilter::ShaderBilinear, MapFilter::Nearest};
+
+std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
+    static const CasterPrograms casters = make_caster_programs<EsmEncoding>("esm.cast", "esm.cast-distance");
+    static const Program program = make_program<ReceiverVertex, EsmReceiver>("esm.receive");
+    const float c = chosen_exponent(settings.parameters, "exponent", format_info(settings.format), 1);
+    const EsmEncoding encoding{.exponent2 = positive_warp(c).exponent2};
+    const EsmReceiver receiver{.warp = encoding, .bleed = bleed_reduction(settings.parameters)};
+    return std::make_unique<FilteredMapPasses<EsmEncoding, EsmReceiver>>(device, settings, casters, program, encoding,
+                                                                         receiver);
+}
+
+}  // namespace
+
+const Technique kEsm{
+    .name = "esm",
+    .summary = "exponential shadow maps: the filtered e^{cz} over that of the receiver",
+    .source = "[Salvi08], [Annen08]",
+    .formats = kFormats,
+    .filters = kFilters,
+    .parameters = filtered_map_parameters() +
+                  std::vector{number("exponent", 80, 0, 400, "c of e^{cz}, z depth in [0, 1]"), clamp_parameter()} +
+                  bleed_parameters(),
+    .make = make};
+
+}  // namespace gnomon::techniques

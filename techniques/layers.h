@@ -1,0 +1,57 @@
+// Depth cut into layers, each with a linear warp of its own. [Lauritzen08] 4.1
+#pragma once
+
+#include "sim/fields.h"
+#include "sim/lanes.h"
+#include "sim/math.h"
+#include "techniques/moments.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace gnomon::techniques {
+
+inline constexpr int kMaxLayers = 16;
+
+/// 0 before c, 1 from there on: the perfect warp for a receiver at depth c. [Lauritzen08] eq. 4.1
+template <class Real>
+Real step_warp(const Real& depth, const Real& c) {
+    return select(depth < c, Real(0.0f), Real(1.0f));
+}
+
+/// 0 up to p, 1 from q on, linear between; `inverse` is 1 / (q - p). [Lauritzen08] eq. 4.2
+template <class Real>
+Real layer_warp(const Real& depth, const Real& p, const Real& inverse) {
+    return saturate((depth - p) * inverse);
+}
+
+/// The layers of a map, as constants of its shaders. Depths are in [0, 1].
+struct DepthLayers {
+    int count = 1;                               // 1 to kMaxLayers
+    float overlap = 0.0f;                        // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
+    std::array<float, kMaxLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
+    std::array<float, kMaxLayers> begin{};       // p_i
+    std::array<float, kMaxLayers> inverse{};     // 1 / (q_i - p_i)
+
+    static constexpr auto fields() {
+        using D = DepthLayers;
+        return std::tuple{Field{"count", &D::count}, Field{"overlap", &D::overlap}, Field{"splits", &D::splits},
+                          Field{"begin", &D::begin}, Field{"inverse", &D::inverse}};
+    }
+
+    /// The warped depth in layer `i`, the same for all lanes.
+    template <class Real>
+    [[nodiscard]] Real warp(const Real& depth, int i) const {
+        const auto layer = static_cast<std::size_t>(i);
+        return layer_warp(depth, Real(begin[layer]), Real(inverse[layer]));
+    }
+};
+
+/// Layers between the inner splits s_1 ... s_{N-1}, ascending in [0, 1], each widened by `overlap` where it has a neighbour.
+DepthLayers make_layers(std::span<const double> inner_splits, double overlap);
+
+/// Inner splits of `count` layers of one size.
+std::vector<double> uniform_splits(int count);
+
+}  // namespace gnomon::techniques
