@@ -13,7 +13,7 @@ struct PcfFootprintReceiver {
     Lighting lighting{};
     TextureId map = TextureId::None;
     Sampler sampler{};
-    float anisotropy = 16.0f;  // longest side over height at most
+    float anisotropy = 16.0f;  // longer side over the shorter at most
     float least_width = 1.0f;  // texels; soft edges by clamping the size of the filter from below. [Lauritzen08] 2.3
     float density = 1.0f;      // comparisons per texel of length
     int most_taps = 64;        // per side

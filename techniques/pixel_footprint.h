@@ -33,31 +33,25 @@ PixelFootprint<Real> to_texels(const PixelFootprint<Real>& footprint, const glm:
     return {to_texels(footprint.dx, size), to_texels(footprint.dy, size)};
 }
 
-/// The footprint (texels) widened until its longer side is at most `limit` (>= 1) times its height over it: a texture unit,
-/// too, lengthens the minor axis past its limit of anisotropy (D3D11.3 7.18.11). The shorter vector moves away from the longer
-/// one, perpendicularly. Where both are zero, not finite, or too short to be squared, nothing changes.
+/// The footprint (texels) with its shorter vector lengthened to 1 / `limit` (>= 1) of the longer one where it is less, as a
+/// texture unit lengthens the minor axis past its limit of anisotropy; of no length, it becomes perpendicular. The axes are the
+/// vectors themselves: EXT_texture_filter_anisotropic (Px, Py), Vulkan 1.3 (Scale Factor Operation). Holds the footprint.
 template <class Real>
 PixelFootprint<Real> with_anisotropy_limit(const PixelFootprint<Real>& footprint, float limit) {
-    const Real xx = dot(footprint.dx, footprint.dx);
-    const Real yy = dot(footprint.dy, footprint.dy);
-    const Mask x_is_longer = xx >= yy;
-    const auto pick = [&](const Vec2<Real>& if_x, const Vec2<Real>& if_y) {
-        return Vec2<Real>{select(x_is_longer, if_x.x, if_y.x), select(x_is_longer, if_x.y, if_y.y)};
+    const Real x_length = sqrt(dot(footprint.dx, footprint.dx));
+    const Real y_length = sqrt(dot(footprint.dy, footprint.dy));
+    const auto lengthened = [&](const Vec2<Real>& shorter, const Real& length, const Vec2<Real>& longer, const Real& longest) {
+        const Real share(1.0f / limit);
+        const Real least = longest * share;
+        const Real factor = least / length;
+        const Mask widens = length < least;
+        const Mask has_length = length > Real(0.0f);
+        const Vec2<Real> longer_now{select(has_length, shorter.x * factor, (Real(0.0f) - longer.y) * share),
+                                    select(has_length, shorter.y * factor, longer.x * share)};
+        return Vec2<Real>{select(widens, longer_now.x, shorter.x), select(widens, longer_now.y, shorter.y)};
     };
-    const Vec2<Real> longer = pick(footprint.dx, footprint.dy);
-    const Vec2<Real> shorter = pick(footprint.dy, footprint.dx);
-
-    const Real length = sqrt(max(xx, yy));
-    const Real cross = longer.x * shorter.y - longer.y * shorter.x;
-    const Real missing = length / Real(limit) - abs(cross) / length;
-    const Real per_length = select(cross < Real(0.0f), Real(0.0f) - missing, missing) / length;
-    const Vec2<Real> moved{shorter.x - longer.y * per_length, shorter.y + longer.x * per_length};
-
-    const Mask widens = (length > Real(0.0f)) & (missing > Real(0.0f));
-    const Mask moves_x = widens & !x_is_longer;
-    const Mask moves_y = widens & x_is_longer;
-    return {{select(moves_x, moved.x, footprint.dx.x), select(moves_x, moved.y, footprint.dx.y)},
-            {select(moves_y, moved.x, footprint.dy.x), select(moves_y, moved.y, footprint.dy.y)}};
+    return {lengthened(footprint.dx, x_length, footprint.dy, y_length),
+            lengthened(footprint.dy, y_length, footprint.dx, x_length)};
 }
 
 /// Sides (texels) no shorter than `least`; one without length lies along an axis.

@@ -8,6 +8,7 @@
 #include "techniques/msm.h"
 #include "techniques/pcf.h"
 #include "techniques/pcf_footprint.h"
+#include "techniques/savsm.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
 #include "texunit/aniso.h"
@@ -65,8 +66,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,
-                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kCsm,          kMsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,  kLvsm,
+                                       kEsm,       kEvsm2,       kEvsm4, kCsm,         kMsm,          kSavsm};
     return techniques;
 }
 
