@@ -66,8 +66,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,  kLvsm,
-                                       kEsm,       kEvsm2,       kEvsm4, kCsm,         kMsm,          kSavsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm, kSavsm,
+                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kCsm,          kMsm};
     return techniques;
 }
 
