@@ -66,7 +66,7 @@ struct FourierSeries {
         return Real(weights[static_cast<std::size_t>(k - 1)]) * (receiver.cos * occluder.sin - receiver.sin * occluder.cos);
     }
 
-    /// lit of one occluder in front of a receiver by `d - z` = -`distance`, on the host.
+    /// lit where z - d is `distance`, on the host.
     [[nodiscard]] double at(double distance) const {
         double sum = 0.5;
         for (int k = 1; k <= terms; ++k)
