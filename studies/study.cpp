@@ -19,10 +19,18 @@ StudyRow measure_case(Experiment& experiment, const StudyCase& what, const Profi
     StudyRow row{.scene = result.request.scene,
                  .what = what,
                  .bytes_per_texel = result.bytes_per_texel,
-                 .metrics = result.metrics.value_or(Metrics{}),
+                 .metrics = result.metrics,
                  .map = result.map};
     for (const PassResult& pass : result.passes) (pass.name == "camera" ? row.camera_ms : row.map_ms) += pass.milliseconds;
     return row;
+}
+
+/// Throws Error for what no row could be measured with: now, not after hours of other rows.
+void check_names(const Study& study, const std::vector<std::string>& scenes) {
+    for (const std::string& scene : scenes) (void)find_scene(scene, {});
+    for (const StudyCase& what : study.cases)
+        (void)techniques::resolve_settings(techniques::find_technique(what.technique), what.request,
+                                           load_profile(what.profile));
 }
 
 template <HasFields T>
@@ -48,7 +56,7 @@ Json row_json(const StudyRow& row) {
     json["set"] = Json::object();
     for (const auto& [name, value] : request.set) json["set"][name] = value;
     json["map_bytes_per_texel"] = row.bytes_per_texel;
-    json["metrics"] = fields_json(row.metrics);
+    json["metrics"] = row.metrics ? fields_json(*row.metrics) : Json();
     json["map_texels"] = fields_json(row.map);
     json["timings_ms"] = {{"map", row.map_ms}, {"camera", row.camera_ms}};
     return json;
@@ -69,7 +77,9 @@ const Study& find_study(std::string_view name) {
 void run_study(const Study& study, const StudyOptions& options, const Progress& progress,
                const std::function<void(const StudyRow&)>& on_row) {
     // One experiment per scene and profile, made at its first case, so that the truth is traced once for all cases.
-    for (const std::string& scene : options.scenes.empty() ? study.scenes : options.scenes) {
+    const std::vector<std::string>& scenes = options.scenes.empty() ? study.scenes : options.scenes;
+    check_names(study, scenes);
+    for (const std::string& scene : scenes) {
         std::vector<std::pair<std::string, std::unique_ptr<Experiment>>> experiments;
         for (const StudyCase& what : study.cases) {
             auto at = std::ranges::find(experiments, what.profile, [](const auto& entry) { return entry.first; });
@@ -94,9 +104,12 @@ std::string study_header() {
 }
 
 std::string study_line(const StudyRow& row) {
-    return fmt::format("{:<10} {:<12} {:<28} {:>7.4g} {:>9.5f} {:>9.5f} {:>9.5f} {:>9.5f} {:>10} {:>9}\n", row.scene,
-                       row.what.group, row.what.label, row.bytes_per_texel, row.metrics.rmse, row.metrics.leak,
-                       row.metrics.acne, row.metrics.p99, row.map.saturated, row.map.infinite + row.map.nan);
+    const auto text = [&](double Metrics::* metric) {
+        return row.metrics ? fmt::format("{:.5f}", *row.metrics.*metric) : std::string("-");
+    };
+    return fmt::format("{:<10} {:<12} {:<28} {:>7.4g} {:>9} {:>9} {:>9} {:>9} {:>10} {:>9}\n", row.scene, row.what.group,
+                       row.what.label, row.bytes_per_texel, text(&Metrics::rmse), text(&Metrics::leak), text(&Metrics::acne),
+                       text(&Metrics::p99), row.map.saturated, row.map.infinite + row.map.nan);
 }
 
 std::string study_json(const Study& study, const StudyOptions& options, std::span<const StudyRow> rows) {

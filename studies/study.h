@@ -4,6 +4,7 @@
 #include "studies/experiment.h"
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,13 +45,14 @@ struct StudyRow {
     std::string scene;
     StudyCase what;
     double bytes_per_texel = 0;
-    Metrics metrics;
+    std::optional<Metrics> metrics;  // none: no pixel could be judged
     MapStatistics map;
     double map_ms = 0;  // every pass but the camera's: once, on this machine
     double camera_ms = 0;
 };
 
-/// Runs every case on every scene; `on_row` sees each row as soon as it is there. Throws Error, and Stopped through `progress`.
+/// Runs every case on every scene; `on_row` sees each row as soon as it is there. Throws Error, for names and settings before
+/// the first row, and Stopped through `progress`.
 void run_study(const Study& study, const StudyOptions& options, const Progress& progress,
                const std::function<void(const StudyRow&)>& on_row);
 

@@ -24,9 +24,8 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     static const CasterPrograms casters = make_caster_programs<EvsmEncoding>("evsm.cast", "evsm.cast-distance");
     static const Program program = make_program<ReceiverVertex, EvsmReceiver>("evsm.receive");
     const ParameterValues& chosen = settings.parameters;
-    const FormatInfo& format = format_info(settings.format);
-    const EvsmEncoding encoding{.positive = positive_warp(chosen_exponent(chosen, "positive", format, 2)),
-                                .negative = negative_warp(warps == 2 ? chosen_exponent(chosen, "negative", format, 2) : 0.0f),
+    const EvsmEncoding encoding{.positive = positive_warp(chosen_exponent(settings, "positive", 2)),
+                                .negative = negative_warp(warps == 2 ? chosen_exponent(settings, "negative", 2) : 0.0f),
                                 .warps = warps};
     const EvsmReceiver receiver{
         .warp = encoding, .min_variance = chosen.number("min-variance"), .bleed = bleed_reduction(chosen)};

@@ -12,13 +12,18 @@ double largest_of(const FormatInfo& format) {
     return format.type == ComponentType::Float16 ? 65504.0 : static_cast<double>(std::numeric_limits<float>::max());
 }
 
-double exponent_limit(const FormatInfo& format, int power) { return scalar::log(largest_of(format)) / power - 1e-4; }
+double exponent_limit(const FormatInfo& format, int power, int samples) {
+    const int summands = format.type == ComponentType::Float32 ? samples : 1;  // fp32 holds the sums of smaller formats
+    return scalar::log(largest_of(format) / summands) / power - 1e-4;
+}
 
 Parameter clamp_parameter() { return word("clamp", Switch::On, "hold exponents at what the format can store"); }
 
-float chosen_exponent(const ParameterValues& parameters, std::string_view name, const FormatInfo& format, int power) {
+float chosen_exponent(const TechniqueSettings& settings, std::string_view name, int power) {
+    const ParameterValues& parameters = settings.parameters;
+    const FormatInfo& format = format_info(settings.format);
     const auto wanted = static_cast<double>(parameters.number(name));
-    const double limit = exponent_limit(format, power);
+    const double limit = exponent_limit(format, power, settings.map_samples);
     if (wanted <= limit) return static_cast<float>(wanted);
     const bool clamps = parameters.word<Switch>("clamp") == Switch::On;
     if (parameters.is_set(name))

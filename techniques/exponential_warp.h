@@ -5,7 +5,7 @@
 #include "sim/lanes.h"
 #include "sim/math.h"
 #include "techniques/moments.h"
-#include "techniques/parameters.h"
+#include "techniques/technique.h"
 #include "texunit/format.h"
 
 namespace gnomon::techniques {
@@ -14,15 +14,16 @@ namespace gnomon::techniques {
 double largest_of(const FormatInfo& format);
 
 /// The largest c for which e^c, raised to `power`, is a finite number of the format, less 1e-4 for the roundings of the shader:
-/// ln(largest) / power. A second moment of e^{cx} is e^{2cx}, so `power` is 2 where moments are stored; x is at most 1.
-double exponent_limit(const FormatInfo& format, int power);
+/// ln(largest) / power. A second moment of e^{cx} is e^{2cx}, so `power` is 2 where moments are stored; x is at most 1. The sum
+/// of the `samples` of a texel, which a resolve takes in fp32, has to be finite, too.
+double exponent_limit(const FormatInfo& format, int power, int samples = 1);
 
 /// The parameter clamp: whether exponents are held at the limit of the format.
 Parameter clamp_parameter();
 
-/// The exponent that a user wants, held at the limit of the format unless `clamp` says off; warns where a wish exceeds it. A
+/// The exponent that a user wants, held at the limit of the map unless `clamp` says off; warns where a wish exceeds it. A
 /// default that exceeds it is held without a word.
-float chosen_exponent(const ParameterValues& parameters, std::string_view name, const FormatInfo& format, int power);
+float chosen_exponent(const TechniqueSettings& settings, std::string_view name, int power);
 
 /// What a warp makes of a depth, and its slope there.
 template <class Real>
@@ -56,10 +57,17 @@ ExponentialWarp positive_warp(float c);
 ExponentialWarp negative_warp(float c);
 
 /// Chebyshev's bound after a warp. The least variance of depth becomes that of warped depths by the slope at the receiver.
+///
+/// The bound stays what it is when warped depths are multiplied by a constant. Squares of the largest of them, and of slopes,
+/// exceed fp32, those of the smallest fall below it: a power of two, which rounds nothing, brings them nearer to 1.
 template <class Real>
 Real warped_upper_bound(const Moments<Real>& moments, const Warped<Real>& receiver, float min_variance) {
-    const Real floor = Real(min_variance) * (receiver.slope * receiver.slope);
-    return chebyshev_upper_bound(moments, receiver.value, floor);
+    // Where receiver and mean are at most 1 and the largest depth is 2^64, no second moment exceeds that either.
+    const Mask large = max(abs(receiver.value), abs(moments.first)) > Real(1.0f);
+    const Real scale = select(large, Real(0x1p-24f), Real(0x1p+24f));
+    const Real slope = receiver.slope * scale;
+    const Moments<Real> scaled{moments.first * scale, (moments.second * scale) * scale};
+    return chebyshev_upper_bound(scaled, receiver.value * scale, Real(min_variance) * (slope * slope));
 }
 
 }  // namespace gnomon::techniques
