@@ -1,7 +1,7 @@
 // Convolution shadow maps. [Annen07]; [Lauritzen08] 1.3 and 4.5 compare them with others
 #pragma once
 
-#include "techniques/filtered_map.h"
+#include "techniques/common/filtered_map.h"
 #include "techniques/fourier.h"
 
 #include <array>

@@ -1,9 +1,9 @@
 // Exponential shadow maps. [Salvi08], [Annen08]; [Lauritzen08] 4.2 says where they fail
 #pragma once
 
-#include "techniques/exponential_warp.h"
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/exponential_warp.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 
 namespace gnomon::techniques {
 

@@ -1,8 +1,8 @@
 // Moment shadow maps with four power moments. [Peters15]
 #pragma once
 
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 #include "techniques/power_moments.h"
 
 namespace gnomon::techniques {

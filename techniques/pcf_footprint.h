@@ -1,7 +1,7 @@
 // Percentage closer filtering over the projected extent of a pixel: the yardstick among shadow-map methods. [Lauritzen08] 2.3
 #pragma once
 
-#include "techniques/pixel_footprint.h"
+#include "techniques/common/pixel_footprint.h"
 #include "techniques/technique.h"
 
 namespace gnomon::techniques {

@@ -2,8 +2,8 @@
 // [Lauritzen07] 8.5, [Lauritzen08] chapter 3
 #pragma once
 
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 #include "techniques/summed_area.h"
 
 namespace gnomon::techniques {

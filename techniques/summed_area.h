@@ -11,8 +11,8 @@
 #pragma once
 
 #include "pipeline/device.h"
-#include "techniques/pixel_footprint.h"
-#include "techniques/split_moments.h"
+#include "techniques/common/pixel_footprint.h"
+#include "techniques/common/split_moments.h"
 
 #include <array>
 

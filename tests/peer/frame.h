@@ -73,11 +73,11 @@ struct TechniqueOptions {
     bool operator==(const TechniqueOptions&) const = default;
 };
 
-/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/gaussian.h; `taps` is
+/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/common/gaussian.h; `taps` is
 /// odd, 1..31.
 std::vector<float> gaussian_kernel(int taps);
 
-/// Lambert under one light and its cone, as techniques/receiver.h.
+/// Lambert under one light and its cone, as techniques/common/receiver.h.
 struct Lighting {
     glm::vec3 light_color{1.0f};  // linear
     float cone_scale = 0.0f;      // spot attenuation = saturate(scale * cos(angle) + offset)

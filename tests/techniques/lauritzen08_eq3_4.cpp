@@ -2,8 +2,8 @@
 // plane B over a plane C, where A's edge shows on C although B shadows all of it.
 #include "scenes/shapes.h"
 #include "scenes/view.h"
+#include "techniques/common/moments.h"
 #include "techniques/frame.h"
-#include "techniques/moments.h"
 #include "tests/oracle/random.h"
 
 #include <fmt/format.h>

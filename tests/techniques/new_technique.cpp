@@ -1,7 +1,7 @@
 // The technique that docs/new_technique.md writes: the page quotes this file to the letter (check_quotes.cmake).
 #include "pipeline/program.h"
 #include "scenes/procedural.h"
-#include "techniques/depth_map.h"
+#include "techniques/common/depth_map.h"
 #include "techniques/frame.h"
 
 #include <catch2/catch.hpp>
@@ -49,15 +49,15 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     return std::make_unique<DepthMapPasses<SoftDepthReceiver>>(device, settings, program, receiver);
 }
 
-const Technique kSoftDepth{.name = "soft-depth",
-                           .summary = "one nearest texel, compared with a ramp instead of a step",
-                           .source = "docs/new_technique.md",
-                           .formats = kFormats,
-                           .filters = kFilters,
-                           .parameters = depth_map_parameters() +
-                                         std::vector{number("softness", 0.01, 1e-6, 1, "depth over which a shadow fades in")},
-                           .default_slope_bias = 2.0f,
-                           .make = make};
+const Technique kSoftDepth{
+    .name = "soft-depth",
+    .summary = "one nearest texel, compared with a ramp instead of a step",
+    .source = "docs/new_technique.md",
+    .formats = kFormats,
+    .filters = kFilters,
+    .parameters = depth_map_parameters() + std::vector{number("softness", 0.01, 1e-6, 1, "depth over which a shadow fades in")},
+    .default_slope_bias = 2.0f,
+    .make = make};
 
 }  // namespace
 

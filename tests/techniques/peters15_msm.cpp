@@ -1,8 +1,8 @@
 // [Peters15]: four power moments, how 16 bits store them, and what the Hamburger and Hausdorff bounds promise.
 #include "sim/fixed.h"
 #include "sim/half.h"
+#include "techniques/common/moments.h"
 #include "techniques/frame.h"
-#include "techniques/moments.h"
 #include "techniques/msm.h"
 #include "tests/oracle/random.h"
 

@@ -4,8 +4,8 @@
 
 #include "pipeline/program.h"
 #include "scenes/procedural.h"
+#include "techniques/common/full_screen.h"
 #include "techniques/frame.h"
-#include "techniques/full_screen.h"
 #include "tests/oracle/random.h"
 
 #include <fmt/format.h>

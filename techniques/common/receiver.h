@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pipeline/fragment.h"
-#include "techniques/caster.h"
-#include "techniques/light_space.h"
+#include "techniques/common/caster.h"
+#include "techniques/common/light_space.h"
 
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>

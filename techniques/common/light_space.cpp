@@ -1,4 +1,4 @@
-#include "techniques/light_space.h"
+#include "techniques/common/light_space.h"
 
 namespace gnomon::techniques {
 

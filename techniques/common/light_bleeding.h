@@ -5,7 +5,7 @@
 #include "sim/fields.h"
 #include "sim/lanes.h"
 #include "sim/math.h"
-#include "techniques/parameters.h"
+#include "techniques/common/parameters.h"
 
 namespace gnomon::techniques {
 

@@ -1,4 +1,4 @@
-#include "techniques/caster.h"
+#include "techniques/common/caster.h"
 
 #include "pipeline/program.h"
 

@@ -1,4 +1,4 @@
-#include "techniques/filtered_map.h"
+#include "techniques/common/filtered_map.h"
 
 #include "pipeline/program.h"
 

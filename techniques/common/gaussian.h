@@ -1,7 +1,7 @@
 // Separable Gaussian blur of a texture: two full-screen passes. [Donnelly06] section 4, step 2
 #pragma once
 
-#include "techniques/full_screen.h"
+#include "techniques/common/full_screen.h"
 
 #include <array>
 

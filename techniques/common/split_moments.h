@@ -6,7 +6,7 @@
 #include "sim/lanes.h"
 #include "sim/math.h"
 #include "sim/vec.h"
-#include "techniques/moments.h"
+#include "techniques/common/moments.h"
 
 namespace gnomon::techniques {
 

@@ -1,4 +1,4 @@
-#include "techniques/depth_metric.h"
+#include "techniques/common/depth_metric.h"
 
 #include <cmath>
 

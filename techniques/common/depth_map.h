@@ -1,8 +1,8 @@
 // A map of plain depths as seen from the light, and the receivers that compare with it.
 #pragma once
 
-#include "techniques/caster.h"
-#include "techniques/full_screen.h"
+#include "techniques/common/caster.h"
+#include "techniques/common/full_screen.h"
 #include "techniques/technique.h"
 
 namespace gnomon::techniques {

@@ -1,4 +1,4 @@
-#include "techniques/parameters.h"
+#include "techniques/common/parameters.h"
 
 #include <algorithm>
 #include <charconv>

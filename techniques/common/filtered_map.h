@@ -1,8 +1,8 @@
 // A map of numbers that texture filters apply to: light pass, resolve, blur, mips. [Donnelly06] section 4, steps 1 to 3
 #pragma once
 
-#include "techniques/caster.h"
-#include "techniques/gaussian.h"
+#include "techniques/common/caster.h"
+#include "techniques/common/gaussian.h"
 #include "techniques/technique.h"
 
 namespace gnomon::techniques {

@@ -4,9 +4,9 @@
 #include "pipeline/device.h"
 #include "pipeline/vertex_stage.h"
 #include "scenes/view.h"
-#include "techniques/depth_metric.h"
-#include "techniques/light_space.h"
-#include "techniques/scene_resources.h"
+#include "techniques/common/depth_metric.h"
+#include "techniques/common/light_space.h"
+#include "techniques/common/scene_resources.h"
 
 #include <span>
 

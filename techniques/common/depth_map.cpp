@@ -1,4 +1,4 @@
-#include "techniques/depth_map.h"
+#include "techniques/common/depth_map.h"
 
 #include "pipeline/program.h"
 

@@ -1,4 +1,4 @@
-#include "techniques/gaussian.h"
+#include "techniques/common/gaussian.h"
 
 #include "pipeline/program.h"
 #include "sim/scalar_math.h"

@@ -1,4 +1,4 @@
-#include "techniques/scene_resources.h"
+#include "techniques/common/scene_resources.h"
 
 namespace gnomon::techniques {
 

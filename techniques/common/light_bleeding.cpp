@@ -1,4 +1,4 @@
-#include "techniques/light_bleeding.h"
+#include "techniques/common/light_bleeding.h"
 
 namespace gnomon::techniques {
 

@@ -1,4 +1,4 @@
-#include "techniques/full_screen.h"
+#include "techniques/common/full_screen.h"
 
 #include "pipeline/program.h"
 

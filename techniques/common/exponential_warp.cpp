@@ -1,4 +1,4 @@
-#include "techniques/exponential_warp.h"
+#include "techniques/common/exponential_warp.h"
 
 #include "sim/scalar_math.h"
 #include "sim/warn.h"
