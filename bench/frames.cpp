@@ -3,6 +3,7 @@
 #include "scenes/procedural.h"
 #include "techniques/frame.h"
 #include "tests/peer/peer.h"
+#include "tests/peer/techniques.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -49,6 +50,11 @@ std::vector<Workload> make_workloads(int map) {
                                       .moment_format = format,
                                       .blur_kernel = blur > 1 ? peer::gaussian_kernel(blur) : std::vector<float>{}};
     };
+    const auto named = [&](std::string_view name) {
+        peer::TechniqueOptions options = peer::technique_named(name);
+        options.map_size = size;
+        return options;
+    };
     using peer::MomentFormat;
     const auto nearest = peer::MapFilter::Nearest;
     const auto bilinear = peer::MapFilter::Bilinear;
@@ -66,7 +72,34 @@ std::vector<Workload> make_workloads(int map) {
          {.map_size = map, .set = {{"blur", "3"}}},
          vsm(MomentFormat::Rg32f, trilinear, 3)},
         {"vsm rg32f trilinear, ideal", "vsm", {.map_size = map}, std::nullopt, "ideal"},
+        {"vsm rg32f 16x", "vsm", {.map_size = map, .anisotropy = 16}, named("vsm-rg32f-16x")},
+        {"vsm rg16f 16x", "vsm", {.map_size = map, .format = Format::Rg16Float, .anisotropy = 16}, named("vsm-rg16f-16x")},
+        {"evsm4 rgba32f trilinear", "evsm4", {.map_size = map}, named("evsm4-rgba32f-trilinear")},
+        {"evsm4 rgba16f trilinear",
+         "evsm4",
+         {.map_size = map, .format = Format::Rgba16Float},
+         named("evsm4-rgba16f-trilinear")},
+        {"evsm4 rgba32f trilinear, blur 3",
+         "evsm4",
+         {.map_size = map, .set = {{"blur", "3"}}},
+         named("evsm4-rgba32f-trilinear-blur-3x3")},
+        {"evsm4 rgba32f 16x", "evsm4", {.map_size = map, .anisotropy = 16}, named("evsm4-rgba32f-16x")},
     };
+}
+
+/// Every technique alone as it comes, and with blurs of 3x3 and 5x5 where it has one.
+std::vector<Workload> make_own_workloads(int map) {
+    std::vector<Workload> workloads;
+    for (const techniques::Technique& technique : techniques::all_techniques()) {
+        const std::string name(technique.name);
+        workloads.push_back({name, name, {.map_size = map}, std::nullopt});
+        if (std::ranges::find(technique.parameters, "blur", &techniques::Parameter::name) == technique.parameters.end())
+            continue;
+        for (const char* taps : {"3", "5"})
+            workloads.push_back(
+                {fmt::format("{}, blur {}", name, taps), name, {.map_size = map, .set = {{"blur", taps}}}, std::nullopt});
+    }
+    return workloads;
 }
 
 /// Someone who can render a workload; `time` gives milliseconds of so many frames.
@@ -130,7 +163,7 @@ void compare(const scenes::Scene& scene, const Workload& workload, std::vector<s
     const double own = peer::summarize(contenders.front().times).median_ms;
     for (const Contender& contender : contenders) {
         const auto [median, least] = peer::summarize(contender.times);
-        fmt::print("{:<30} {:<28} {:8.2f} {:8.2f} {:8.2f}\n", workload.name, contender.name, median, least, own / median);
+        fmt::print("{:<32} {:<28} {:8.2f} {:8.2f} {:8.2f}\n", workload.name, contender.name, median, least, own / median);
     }
 }
 
@@ -167,8 +200,11 @@ int run(int argc, char** argv) {
 
     fmt::print("{} ({} triangles), {}x{} pixels, {}x{} map, {} threads, Gnomon with {} lanes\n\n", options.scene,
                scene.triangle_count(), options.width, options.height, options.map, options.map, options.threads, kLanes);
-    fmt::print("{:<30} {:<28} {:>8} {:>8} {:>8}\n", "technique", "machine", "median", "least", "Gnomon/");
+    fmt::print("{:<32} {:<28} {:>8} {:>8} {:>8}\n", "technique", "machine", "median", "least", "Gnomon/");
     for (const Workload& workload : make_workloads(options.map)) compare(scene, workload, peers, options);
+    peers.clear();
+    fmt::print("\nevery technique alone\n");
+    for (const Workload& workload : make_own_workloads(options.map)) compare(scene, workload, peers, options);
     fmt::print("\ntimes in ms per frame; the last column is Gnomon's median over the machine's, so below 1 Gnomon is faster\n");
     return 0;
 }

@@ -2,7 +2,7 @@
 #include "pipeline/program.h"
 #include "sim/half.h"
 #include "sim/math.h"
-#include "techniques/gaussian.h"
+#include "techniques/common/gaussian.h"
 #include "texunit/aniso.h"
 #include "texunit/mipmap.h"
 #include "texunit/sample.h"

@@ -13,6 +13,7 @@
 #include "texunit/aniso.h"
 #include "texunit/sample.h"
 
+#include <climits>
 #include <concepts>
 #include <memory>
 #include <span>
@@ -261,7 +262,8 @@ private:
 
     /// A place among all levels of the texture; -1 for levels that the constant leaves out.
     static TexelPlace stored_place(const TextureLevels& id, const TexelPlace& place) {
-        const bool inside = place.level >= 0 && (id.levels == 0 || place.level < id.levels);
+        const int levels = id.levels == 0 ? INT_MAX - id.first_level : id.levels;
+        const bool inside = place.level >= 0 && place.level < levels;
         return {inside ? id.first_level + place.level : -1, place.layer};
     }
     static bool has_plane(const TextureDesc& desc, const TexelPlace& place, int sample) {

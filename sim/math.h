@@ -112,7 +112,8 @@ inline QuarterTurns reduce_quarter_turns(Float x) {
 }
 
 /// Error below 2^-23 absolute for |x| <= 100 pi; in [-1, 1] for all numbers, those beyond 2^20 taken for 2^20. Zeros keep their
-/// sign through sin. NaN for NaN and infinities. D3D11.3 22.10.20
+/// sign through sin. NaN for NaN and infinities. Beyond 2^12 quarter turns the error is up to half an ULP of x.
+/// D3D11.3 22.10.20
 inline SinCosLanes<Float> sin_cos(Float x) {
     const auto [r, turns] = reduce_quarter_turns(clamp(x, Float(-0x1p20f), Float(0x1p20f)));
 

@@ -105,7 +105,10 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
         {.width = request_.width, .height = request_.height, .technique = plan.technique, .settings = plan.settings});
 
     // Counting costs time: count in one frame, which also warms the caches, and time the next.
-    techniques::PassTimer counted(device);
+    MapStatistics map;
+    techniques::PassTimer counted(device, [&](std::string_view pass) {
+        if (pass != "camera") map = worse(map, map_statistics(device, frame.maps()));  // a blur hides what the light pass wrote
+    });
     device.enable_counters(true);
     frame.render(counted);
     device.enable_counters(false);
@@ -128,10 +131,9 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                                    .depth = hash_of(device.texture(frame.depth())),
                                    .color = hash_of(device.texture(frame.color())),
                                    .map = hash_of_maps(device, frame.maps())},
-                        .map = {},
+                        .map = map,
                         .bytes_per_texel = techniques::storage_per_texel(plan.technique, plan.settings)};
     result.request.technique = plan.technique.name;
-    for (const TextureId id : frame.maps()) result.map += map_statistics(device.texture(id));
     if (request_.derivatives) {
         const auto bytes = device.texture(frame.derivatives()).level_bytes(0);
         result.derivatives.resize(bytes.size() / sizeof(std::uint32_t));

@@ -1,5 +1,6 @@
 #include "studies/map_statistics.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace gnomon::studies {
@@ -30,26 +31,28 @@ void count(MapStatistics& statistics, const std::vector<std::byte>& bytes, std::
 
 }  // namespace
 
-MapStatistics& MapStatistics::operator+=(const MapStatistics& other) {
-    texels += other.texels;
-    saturated += other.saturated;
-    infinite += other.infinite;
-    nan += other.nan;
-    return *this;
-}
-
-MapStatistics map_statistics(const Texture& texture) {
+MapStatistics map_statistics(const Device& device, std::span<const TextureId> maps) {
     MapStatistics statistics;
-    const FormatInfo& format = texture.info();
-    const auto components = static_cast<std::size_t>(format.components);
-    for (int slice = 0; slice < texture.desc().layers; ++slice) {
-        statistics.texels += static_cast<std::uint64_t>(texture.width(0)) * static_cast<std::uint64_t>(texture.height(0));
-        if (format.type == ComponentType::Float16)
-            count<std::uint16_t>(statistics, texture.level_bytes(0, slice), components, 0x7bff);
-        if (format.type == ComponentType::Float32)
-            count<std::uint32_t>(statistics, texture.level_bytes(0, slice), components, 0x7f7fffff);
+    for (const TextureId id : maps) {
+        const Texture& texture = device.texture(id);
+        const FormatInfo& format = texture.info();
+        const auto components = static_cast<std::size_t>(format.components);
+        for (int slice = 0; slice < texture.desc().layers; ++slice) {
+            statistics.texels += static_cast<std::uint64_t>(texture.width(0)) * static_cast<std::uint64_t>(texture.height(0));
+            if (format.type == ComponentType::Float16)
+                count<std::uint16_t>(statistics, texture.level_bytes(0, slice), components, 0x7bff);
+            if (format.type == ComponentType::Float32)
+                count<std::uint32_t>(statistics, texture.level_bytes(0, slice), components, 0x7f7fffff);
+        }
     }
     return statistics;
+}
+
+MapStatistics worse(const MapStatistics& a, const MapStatistics& b) {
+    return {.texels = std::max(a.texels, b.texels),
+            .saturated = std::max(a.saturated, b.saturated),
+            .infinite = std::max(a.infinite, b.infinite),
+            .nan = std::max(a.nan, b.nan)};
 }
 
 }  // namespace gnomon::studies

@@ -1,10 +1,11 @@
 // What became of numbers that the format of a shadow map cannot hold.
 #pragma once
 
+#include "pipeline/device.h"
 #include "sim/fields.h"
-#include "texunit/texture.h"
 
 #include <cstdint>
+#include <span>
 
 namespace gnomon::studies {
 
@@ -20,11 +21,14 @@ struct MapStatistics {
         return std::tuple{Field{"texels", &M::texels}, Field{"saturated", &M::saturated}, Field{"infinite", &M::infinite},
                           Field{"nan", &M::nan}};
     }
-    MapStatistics& operator+=(const MapStatistics& other);
     bool operator==(const MapStatistics&) const = default;
 };
 
-/// Only formats of 16- and 32-bit floats can hold anything but plain numbers; of others just the texels are counted.
-MapStatistics map_statistics(const Texture& texture);
+/// Of all maps of a technique. Only formats of 16- and 32-bit floats can hold anything but plain numbers; of others just the
+/// texels are counted.
+MapStatistics map_statistics(const Device& device, std::span<const TextureId> maps);
+
+/// The larger of each count.
+MapStatistics worse(const MapStatistics& a, const MapStatistics& b);
 
 }  // namespace gnomon::studies

@@ -111,10 +111,32 @@ Study relaxation() {
     return study;
 }
 
+/// Summed-area tables of growing maps, in every number format, with a floor too low to hide what sums lose.
+Study tables() {
+    Study study{.name = "tables",
+                .summary = "summed-area tables by size and format: what long sums lose",
+                .source = "[Lauritzen07] 8.5",
+                .scenes = {"car"},
+                .cases = {}};
+    struct Kind {
+        const char* label;
+        Format format;
+        const char* centre;
+    };
+    constexpr std::array kKinds{Kind{"rg32f", Format::Rg32Float, "none"}, Kind{"rg32f centred", Format::Rg32Float, "half"},
+                                Kind{"rgba32f split", Format::Rgba32Float, "half"}, Kind{"rg32ui", Format::Rg32Uint, "none"}};
+    for (const int size : {128, 256, 512, 1024, 2048, 4096})
+        for (const Kind& kind : kKinds)
+            study.cases.push_back(in_group(
+                fmt::format("map {}", size), kind.label, "savsm",
+                {.map_size = size, .format = kind.format, .set = {{"centre", kind.centre}, {"min-variance", "1e-6"}}}));
+    return study;
+}
+
 }  // namespace
 
 std::span<const Study> all_studies() {
-    static const std::array studies{equal_storage(), formats(), exponents(), relaxation()};
+    static const std::array studies{equal_storage(), formats(), exponents(), relaxation(), tables()};
     return studies;
 }
 

@@ -1,9 +1,9 @@
 // Exponential shadow maps. [Salvi08], [Annen08]; [Lauritzen08] 4.2 says where they fail
 #pragma once
 
-#include "techniques/exponential_warp.h"
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/exponential_warp.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 
 namespace gnomon::techniques {
 
@@ -19,8 +19,8 @@ struct EsmEncoding {
     }
 };
 
-/// Visibility e^{c(z - d)} of a receiver at depth d, limited to 1: where all occluders of the filter lie at or before the
-/// receiver, Markov's bound on P(e^{cz} >= e^{cd}), z the occluders'. [Salvi08]; [Annen08] eq. 3
+/// Visibility of a receiver at depth d: the mean of e^{c(z - d)} over the depths z of the filter, limited to 1. By Markov's
+/// inequality an upper bound on the share with z >= d. [Salvi08], [Annen08]
 template <class Real>
 Real exponential_visibility(const Real& filtered, const Real& depth, const EsmEncoding& encoding) {
     return min(filtered / encoding.encode(depth).x, Real(1.0f));

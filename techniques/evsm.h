@@ -1,9 +1,9 @@
 // Exponential variance shadow maps, with the positive warp alone and with both. [Lauritzen08] 4.2
 #pragma once
 
-#include "techniques/exponential_warp.h"
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/exponential_warp.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 
 namespace gnomon::techniques {
 

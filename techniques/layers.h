@@ -4,7 +4,7 @@
 #include "sim/fields.h"
 #include "sim/lanes.h"
 #include "sim/math.h"
-#include "techniques/moments.h"
+#include "techniques/common/moments.h"
 
 #include <array>
 #include <span>

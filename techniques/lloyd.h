@@ -1,7 +1,7 @@
 // Where to split depth into layers: weighted k-means over second occluders by Lloyd's relaxation. [Lauritzen08] 4.1.2, 4.1.3
 #pragma once
 
-#include "techniques/full_screen.h"
+#include "techniques/common/full_screen.h"
 #include "techniques/layers.h"
 
 #include <deque>

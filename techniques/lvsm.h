@@ -1,9 +1,9 @@
 // Layered variance shadow maps. [Lauritzen08] 4.1
 #pragma once
 
-#include "techniques/filtered_map.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 #include "techniques/layers.h"
-#include "techniques/light_bleeding.h"
 
 namespace gnomon::techniques {
 

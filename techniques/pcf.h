@@ -1,7 +1,7 @@
 // Percentage closer filtering over NxN comparisons. [Donnelly06] section 4, alternate methods 3 and 4; [Reeves87]
 #pragma once
 
-#include "techniques/gaussian.h"
+#include "techniques/common/gaussian.h"
 #include "techniques/technique.h"
 
 namespace gnomon::techniques {

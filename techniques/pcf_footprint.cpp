@@ -1,7 +1,7 @@
 #include "techniques/pcf_footprint.h"
 
 #include "pipeline/program.h"
-#include "techniques/depth_map.h"
+#include "techniques/common/depth_map.h"
 
 namespace gnomon::techniques {
 

@@ -1,7 +1,7 @@
 // Percentage closer filtering over the projected extent of a pixel: the yardstick among shadow-map methods. [Lauritzen08] 2.3
 #pragma once
 
-#include "techniques/pixel_footprint.h"
+#include "techniques/common/pixel_footprint.h"
 #include "techniques/technique.h"
 
 namespace gnomon::techniques {
@@ -13,7 +13,7 @@ struct PcfFootprintReceiver {
     Lighting lighting{};
     TextureId map = TextureId::None;
     Sampler sampler{};
-    float anisotropy = 16.0f;  // longest side over height at most
+    float anisotropy = 16.0f;  // longer side over the shorter at most
     float least_width = 1.0f;  // texels; soft edges by clamping the size of the filter from below. [Lauritzen08] 2.3
     float density = 1.0f;      // comparisons per texel of length
     int most_taps = 64;        // per side

@@ -1,11 +1,14 @@
 #include "techniques/technique.h"
 
 #include "sim/warn.h"
+#include "techniques/csm.h"
 #include "techniques/esm.h"
 #include "techniques/evsm.h"
 #include "techniques/lvsm.h"
+#include "techniques/msm.h"
 #include "techniques/pcf.h"
 #include "techniques/pcf_footprint.h"
+#include "techniques/savsm.h"
 #include "techniques/shadow_map.h"
 #include "techniques/vsm.h"
 #include "texunit/aniso.h"
@@ -63,8 +66,8 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint,
-                                       kVsm,       kEsm,         kEvsm2, kEvsm4,       kLvsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm, kSavsm,
+                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kCsm,          kMsm};
     return techniques;
 }
 

@@ -3,10 +3,10 @@
 
 #include "pipeline/device.h"
 #include "scenes/view.h"
-#include "techniques/parameters.h"
-#include "techniques/pass_timer.h"
-#include "techniques/receiver.h"
-#include "techniques/scene_resources.h"
+#include "techniques/common/parameters.h"
+#include "techniques/common/pass_timer.h"
+#include "techniques/common/receiver.h"
+#include "techniques/common/scene_resources.h"
 
 #include <memory>
 #include <optional>

@@ -1,9 +1,9 @@
 // Variance shadow maps. [Donnelly06] sections 3 and 4, [Lauritzen08] chapter 3
 #pragma once
 
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
-#include "techniques/split_moments.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
+#include "techniques/common/split_moments.h"
 
 namespace gnomon::techniques {
 

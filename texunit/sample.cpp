@@ -34,6 +34,28 @@ auto with_depth_codec(Format format, const Visit& visit, const Other& other) {
     }
 }
 
+/// What the loops of shadow techniques ask for: level 0 of a depth texture, compared.
+bool is_plain_compare(const TextureView& view, const Sampler& sampler, const SampleOperands<Float>& operands) {
+    return view.texture().desc().format == Format::D32Float && view.texture().desc().layers == 1 &&
+           sampler.min == sampler.mag && sampler.mip == MipFilter::Base && sampler.address_u == AddressMode::Clamp &&
+           sampler.address_v == AddressMode::Clamp && operands.offset == glm::ivec2(0);
+}
+
+/// The same filter, with a sampler that the compiler knows.
+template <TexelFilter kFilter>
+Float plain_compare(const TextureView& view, const Sampler& sampler, const Profile& profile, const Vec3<Float>& coordinate,
+                    Float reference) {
+    using Tap = CompareTap<Codec<ComponentType::Depth32, 1>, Float>;
+    Sampler known{.min = kFilter, .mag = kFilter};
+    known.compare = sampler.compare;
+    const Lookup lookup{view, known, profile, {0, 0}, Int(0)};
+    const Blend blend{.carry = profile.texel_carry};
+    const Tap tap(lookup, reference);
+    Unobserved nobody;
+    return SampleCore<1, Float, Float, Tap, Unobserved>(lookup, blend, tap, nobody)
+        .sample({coordinate.x, coordinate.y}, LevelOfDetail<Float>(Float(0.0f)), Float(0.0f))[0];
+}
+
 }  // namespace
 
 template <class Real>
@@ -74,6 +96,11 @@ Real sample_compare(const TextureView& view, const Sampler& sampler, const Profi
     };
     if constexpr (std::is_same_v<Real, Float>) {
         if (!is_standard(view, sampler, profile, lod.anisotropic)) return any_format();
+        if (!lod.anisotropic && is_plain_compare(view, sampler, operands)) {
+            if (sampler.min == TexelFilter::Nearest)
+                return plain_compare<TexelFilter::Nearest>(view, sampler, profile, coordinate, reference);
+            return plain_compare<TexelFilter::Linear>(view, sampler, profile, coordinate, reference);
+        }
         const auto inline_format = [&]<class AnyCodec>(AnyCodec) {
             using Tap = CompareTap<AnyCodec, Real>;
             const LayerPosition<Real> at = locate_slice(view.texture(), coordinate);

@@ -1,7 +1,6 @@
 // Descriptor sets and samplers.
 #include "tests/peer/bindings.h"
 
-#include "sim/error.h"
 #include "tests/peer/result.h"
 #include "tests/peer/uniforms.h"
 
@@ -85,7 +84,7 @@ UniformBuffers make_uniform_buffers(const Device& device, const Frame& frame) {
 }
 
 OwnedSampler make_map_sampler(const Device& device, const TechniqueOptions& technique) {
-    const bool compares = technique.technique != Technique::Vsm;
+    const bool compares = map_kind(technique.technique) == MapKind::Depth;
     const bool linear = technique.filter != MapFilter::Nearest && technique.technique != Technique::ShadowMap;
     const VkFilter filter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
     VkSamplerCreateInfo info{};
@@ -100,11 +99,8 @@ OwnedSampler make_map_sampler(const Device& device, const TechniqueOptions& tech
     info.compareEnable = compares ? VK_TRUE : VK_FALSE;
     info.compareOp = VK_COMPARE_OP_LESS_OR_EQUAL;
 
-    const bool anisotropic = !compares && technique.max_anisotropy > 1;
-    if (anisotropic && technique.max_anisotropy > device.description().limits.max_anisotropy)
-        fail("device '{}' filters with anisotropy up to {}, not {}", device.description().name,
-             device.description().limits.max_anisotropy, technique.max_anisotropy);
-    info.anisotropyEnable = anisotropic ? VK_TRUE : VK_FALSE;
+    check_anisotropy(device.description(), technique.max_anisotropy);
+    info.anisotropyEnable = technique.max_anisotropy > 1 ? VK_TRUE : VK_FALSE;
     info.maxAnisotropy = technique.max_anisotropy;
     return make_sampler(device, info);
 }

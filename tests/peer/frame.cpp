@@ -5,12 +5,23 @@
 #include "sim/scalar_math.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <limits>
 
 namespace gnomon::peer {
 namespace {
 
-constexpr std::uint32_t kMaxImageSize = 4096;  // every Vulkan device has this much. Vulkan 1.3 33 (maxImageDimension2D)
+constexpr std::array<MomentFormatTraits, 5> kMomentFormats{{
+    {MomentFormat::Rg32f, "rg32f", 2, Encoding::Float32},
+    {MomentFormat::Rg16f, "rg16f", 2, Encoding::Float16},
+    {MomentFormat::Rg16Unorm, "rg16unorm", 2, Encoding::Unorm16},
+    {MomentFormat::Rgba32f, "rgba32f", 4, Encoding::Float32},
+    {MomentFormat::Rgba16f, "rgba16f", 4, Encoding::Float16},
+}};
+
+constexpr float kLargestWarpedMinVariance = 1e-3f;  // of depth
+constexpr std::uint32_t kMaxImageSize = 4096;       // every Vulkan device has this much. Vulkan 1.3 33 (maxImageDimension2D)
 
 void check_mesh(const scenes::Mesh& mesh) {
     if (mesh.vertices.empty() || mesh.indices.empty() || mesh.indices.size() % 3 != 0)
@@ -27,7 +38,76 @@ void check_blur(const std::vector<float>& kernel) {
     if (!std::equal(kernel.begin(), kernel.end(), kernel.rbegin())) fail("blur kernel is not symmetric");
 }
 
+void check_exponent(float exponent, const MomentFormatTraits& format) {
+    const float largest = largest_exponent(format.encoding);
+    if (!(exponent > 0 && exponent <= largest))
+        fail("warp exponent {}; expected over 0 and up to {} for {}", exponent, largest, format.name);
+}
+
+void check_moments(const TechniqueOptions& technique) {
+    const MapKind map = map_kind(technique.technique);
+    const MomentFormatTraits& format = format_traits(technique.moment_format);
+    if (format.channels != map_channels(map))
+        fail("map of {} channels in {}, which has {}", map_channels(map), format.name, format.channels);
+    const float largest_variance = map == MapKind::WarpedMoments ? kLargestWarpedMinVariance : 1;
+    if (!(technique.min_variance >= 0 && technique.min_variance <= largest_variance))
+        fail("least variance {}; expected 0..{}", technique.min_variance, largest_variance);
+    check_blur(technique.blur_kernel);
+    if (map != MapKind::WarpedMoments) return;
+    check_exponent(technique.positive_exponent, format);
+    check_exponent(technique.negative_exponent, format);
+}
+
+void check_technique(const TechniqueOptions& t) {
+    if (t.map_size == 0 || t.map_size > kMaxImageSize) fail("map size {}; expected 1..{}", t.map_size, kMaxImageSize);
+    if (t.taps < 1 || t.taps > 31) fail("{} taps; expected 1..31", t.taps);
+    if (!(t.max_anisotropy >= 1 && t.max_anisotropy <= 16)) fail("anisotropy {}; expected 1..16", t.max_anisotropy);
+    if (map_channels(map_kind(t.technique)) >= 2) return check_moments(t);
+    if (t.filter == MapFilter::Trilinear) fail("trilinear filtering of a depth map");
+    if (t.max_anisotropy > 1) fail("anisotropic filtering of a depth map");
+}
+
 }  // namespace
+
+MapKind map_kind(Technique technique) {
+    switch (technique) {
+        case Technique::None: return MapKind::None;
+        case Technique::ShadowMap: return MapKind::Depth;
+        case Technique::Pcf: return MapKind::Depth;
+        case Technique::Vsm: return MapKind::Moments;
+        case Technique::Evsm4: return MapKind::WarpedMoments;
+    }
+    return MapKind::None;
+}
+
+std::uint32_t map_channels(MapKind map) {
+    switch (map) {
+        case MapKind::None: return 0;
+        case MapKind::Depth: return 1;
+        case MapKind::Moments: return 2;
+        case MapKind::WarpedMoments: return 4;
+    }
+    return 0;
+}
+
+const MomentFormatTraits& format_traits(MomentFormat format) {
+    const auto row = std::ranges::find(kMomentFormats, format, &MomentFormatTraits::format);
+    if (row == kMomentFormats.end()) fail("unknown moment format {}", static_cast<int>(format));
+    return *row;
+}
+
+float largest_exponent(Encoding encoding) {
+    // Floats are added up in floats: the receiver's (t - mu)^2 is at most e^{2c}, its sigma^2 at most that or the least
+    // variance, 4 c^2 e^{2c} kLargestWarpedMinVariance < 8 e^{2c}. Halves are widened before.
+    constexpr double kLargestFloat = std::numeric_limits<float>::max();
+    constexpr double kLargestHalf = 65504;
+    switch (encoding) {
+        case Encoding::Float32: return static_cast<float>(0.5 * scalar::log(kLargestFloat / 16));
+        case Encoding::Float16: return static_cast<float>(0.5 * scalar::log(kLargestHalf));
+        case Encoding::Unorm16: break;
+    }
+    fail("warped moments do not fit in 0..1");
+}
 
 std::vector<float> gaussian_kernel(int taps) {
     if (taps < 1 || taps > 31 || taps % 2 == 0) fail("Gaussian kernel of {} taps; expected an odd count in 1..31", taps);
@@ -78,12 +158,7 @@ void check_frame(const Frame& frame) {
         check_mesh(*draw.mesh);
     }
 
-    const TechniqueOptions& t = frame.technique;
-    if (t.map_size == 0 || t.map_size > kMaxImageSize) fail("map size {}; expected 1..{}", t.map_size, kMaxImageSize);
-    if (t.taps < 1 || t.taps > 31) fail("{} taps; expected 1..31", t.taps);
-    if (!(t.max_anisotropy >= 1 && t.max_anisotropy <= 16)) fail("anisotropy {}; expected 1..16", t.max_anisotropy);
-    if (t.technique != Technique::Vsm && t.filter == MapFilter::Trilinear) fail("trilinear filtering of a depth map");
-    check_blur(t.blur_kernel);
+    check_technique(frame.technique);
 }
 
 }  // namespace gnomon::peer

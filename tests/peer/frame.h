@@ -19,11 +19,34 @@ enum class Technique {
     ShadowMap,  // one nearest comparison with a d32f map; `taps` and `filter` are ignored
     Pcf,        // the mean of taps x taps comparisons one texel apart, each Nearest or Bilinear (the sampler's own PCF)
     Vsm,        // variance shadow map. [Donnelly06] section 4
+    Evsm4,      // exponential variance shadow map of both warps, four moments. [Lauritzen08] section 4.2
 };
 
-enum class MapFilter { Nearest, Bilinear, Trilinear };  // Trilinear makes mips, every frame; Vsm only
+/// What the light's map holds: projective depth; linear depth and its square; two warps of linear depth and their squares.
+enum class MapKind { None, Depth, Moments, WarpedMoments };
+MapKind map_kind(Technique technique);
 
-enum class MomentFormat { Rg32f, Rg16f, Rg16Unorm };
+/// 0 without a map, 1 for depth, 2 or 4 for moments.
+std::uint32_t map_channels(MapKind map);
+
+enum class MapFilter { Nearest, Bilinear, Trilinear };  // Trilinear makes mips, every frame; moments only
+
+/// Two channels for Vsm, four for Evsm4.
+enum class MomentFormat { Rg32f, Rg16f, Rg16Unorm, Rgba32f, Rgba16f };
+
+enum class Encoding { Float32, Float16, Unorm16 };
+
+struct MomentFormatTraits {
+    MomentFormat format = MomentFormat::Rg32f;
+    std::string_view name;  // "rg32f"
+    std::uint32_t channels = 2;
+    Encoding encoding = Encoding::Float32;  // of each channel
+};
+const MomentFormatTraits& format_traits(MomentFormat format);
+
+/// The largest c for which a map of this encoding holds e^{2c}, the square of the largest warp, and for which the receiver's
+/// sums of such squares stay finite: 5.54 for halves, 42.97 for floats. Throws Error for Unorm16, which holds no warp.
+float largest_exponent(Encoding encoding);
 
 struct TechniqueOptions {
     Technique technique = Technique::ShadowMap;
@@ -37,20 +60,24 @@ struct TechniqueOptions {
     // Pcf: a d32f map, as ShadowMap; reference <= texel is lit.
     std::int32_t taps = 1;  // per axis, 1..31
 
-    // Vsm: linear depth (0 at the light's znear, 1 at its zfar) and its square.
+    // Vsm and Evsm4: moments of the linear depth d, 0 at the light's znear and 1 at its zfar.
     MomentFormat moment_format = MomentFormat::Rg32f;
-    float max_anisotropy = 1;  // > 1 turns anisotropic filtering on; 1..16, by what the device can do
-    float min_variance = 1e-5f;
+    float max_anisotropy = 1;          // > 1 turns anisotropic filtering on; 1..16, by what the device can do
+    float min_variance = 1e-5f;        // of d: 0..1, for Evsm4 up to 1e-3
     std::vector<float> blur_kernel{};  // odd count up to 31, symmetric; empty: no blur
+
+    // Evsm4: the warps e^{c+ x} and -e^{-c- x} of x = 2d - 1; over 0, and up to largest_exponent().
+    float positive_exponent = 40;  // c+
+    float negative_exponent = 5;   // c-
 
     bool operator==(const TechniqueOptions&) const = default;
 };
 
-/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/gaussian.h; `taps` is
+/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/common/gaussian.h; `taps` is
 /// odd, 1..31.
 std::vector<float> gaussian_kernel(int taps);
 
-/// Lambert under one light and its cone, as techniques/receiver.h.
+/// Lambert under one light and its cone, as techniques/common/receiver.h.
 struct Lighting {
     glm::vec3 light_color{1.0f};  // linear
     float cone_scale = 0.0f;      // spot attenuation = saturate(scale * cos(angle) + offset)
@@ -95,7 +122,7 @@ struct FrameImages {
     std::vector<float> visibility{};    // r32f, [0, 1]; kNoSurface where nothing was drawn
     std::vector<float> depth{};         // d32f, 1 where nothing was drawn
     std::uint32_t map_size = 0;         // 0 without a map
-    std::uint32_t map_channels = 0;     // 1: depth; 2: moments
+    std::uint32_t map_channels = 0;     // as map_channels()
     std::vector<float> map{};           // level 0 as the receiver samples it (after any blur), 16-bit formats widened
 };
 

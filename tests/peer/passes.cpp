@@ -1,6 +1,8 @@
 // What a frame is made of, and the recording of its passes.
 #include "tests/peer/passes.h"
 
+#include "sim/scalar_math.h"
+
 #include <algorithm>
 #include <map>
 #include <span>
@@ -63,6 +65,14 @@ void draw_scene(VkCommandBuffer commands, const PassInputs& in, VkPipeline pipel
     }
 }
 
+// Nothing there is as far as can be: the moments of depth 1, which is x = 1 for the warps.
+glm::vec4 empty_moments(const TechniqueOptions& technique) {
+    if (map_kind(technique.technique) != MapKind::WarpedMoments) return glm::vec4(1);
+    const double positive = scalar::exp(static_cast<double>(technique.positive_exponent));
+    const double negative = -scalar::exp(-static_cast<double>(technique.negative_exponent));
+    return glm::dvec4(positive, positive * positive, negative, negative * negative);
+}
+
 // Depth alone, or depth and moments.
 void record_light_pass(VkCommandBuffer commands, const PassInputs& in) {
     const Image& map = in.targets.map;
@@ -70,7 +80,7 @@ void record_light_pass(VkCommandBuffer commands, const PassInputs& in) {
         const VkRenderingAttachmentInfo depth = cleared(map, kClearDepth);
         begin_rendering(commands, map.size, {}, &depth);
     } else {
-        const std::array colors{cleared(map, clear_color(glm::vec4(1)))};
+        const std::array colors{cleared(map, clear_color(empty_moments(in.frame.technique)))};
         const VkRenderingAttachmentInfo depth = cleared(in.targets.map_depth, kClearDepth);
         begin_rendering(commands, map.size, colors, &depth);
     }

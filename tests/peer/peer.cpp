@@ -25,22 +25,30 @@ std::vector<T> as_values(const std::vector<std::byte>& bytes) {
 
 // Moments as floats. Widening a half is exact, so any unpacking does; a unorm is its quotient rounded once. D3D11.3 3.2.3.5
 std::vector<float> moment_values(MomentFormat format, const std::vector<std::byte>& bytes) {
-    if (format == MomentFormat::Rg32f) return as_values<float>(bytes);
+    const Encoding encoding = format_traits(format).encoding;
+    if (encoding == Encoding::Float32) return as_values<float>(bytes);
     const std::vector<std::uint16_t> words = as_values<std::uint16_t>(bytes);
     std::vector<float> values(words.size());
-    std::transform(words.begin(), words.end(), values.begin(), [format](std::uint16_t word) {
-        return format == MomentFormat::Rg16f ? glm::unpackHalf1x16(word) : static_cast<float>(word) / 65535.0f;
+    std::transform(words.begin(), words.end(), values.begin(), [encoding](std::uint16_t word) {
+        return encoding == Encoding::Float16 ? glm::unpackHalf1x16(word) : static_cast<float>(word) / 65535.0f;
     });
     return values;
 }
 
 }  // namespace
 
+void check_anisotropy(const PeerDevice& device, float max_anisotropy) {
+    if (max_anisotropy <= device.limits.max_anisotropy) return;
+    if (device.limits.max_anisotropy <= 1) fail("device '{}' has no anisotropic filtering", device.name);
+    fail("device '{}' filters with anisotropy up to {}, not {}", device.name, device.limits.max_anisotropy, max_anisotropy);
+}
+
 Peer::Peer(const PeerDevice& device, const PeerOptions& options) : device_(std::make_unique<Device>(device, options)) {}
 Peer::~Peer() = default;
 Peer::Peer(Peer&&) noexcept = default;
 Peer& Peer::operator=(Peer&&) noexcept = default;
 
+const PeerDevice& Peer::description() const { return device_->description(); }
 bool Peer::validates() const { return device_->instance().validates(); }
 std::vector<std::string> Peer::validation_messages() const { return device_->instance().messages(); }
 
@@ -105,10 +113,9 @@ FrameImages FrameRenderer::render() {
     if (!targets.map.image) return images;
 
     images.map_size = frame.technique.map_size;
-    const bool is_depth = targets.map.format == kDepthFormat;
-    images.map_channels = is_depth ? 1 : 2;
+    images.map_channels = map_channels(map_kind(frame.technique.technique));
     const std::vector<std::byte> map = read_image(device, targets.map, kSampled);
-    images.map = is_depth ? as_values<float>(map) : moment_values(frame.technique.moment_format, map);
+    images.map = images.map_channels == 1 ? as_values<float>(map) : moment_values(frame.technique.moment_format, map);
     return images;
 }
 

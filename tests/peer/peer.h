@@ -57,6 +57,9 @@ struct PeerDevice {
 /// The devices of every driver the environment names; empty where no Vulkan driver is installed.
 std::vector<PeerDevice> list_devices();
 
+/// Throws Error where the device filters with less anisotropy, or with none (Vulkan 1.3, samplerAnisotropy is optional).
+void check_anisotropy(const PeerDevice& device, float max_anisotropy);
+
 struct PeerOptions {
     bool validate = false;  // with the Khronos validation layer where it is installed; slow, never for timings
 };
@@ -69,6 +72,7 @@ public:
     Peer(Peer&&) noexcept;
     Peer& operator=(Peer&&) noexcept;
 
+    [[nodiscard]] const PeerDevice& description() const;
     [[nodiscard]] bool validates() const;  // asked for, and the layer was found
     /// Every warning and error of the validation layer so far, one line each.
     [[nodiscard]] std::vector<std::string> validation_messages() const;

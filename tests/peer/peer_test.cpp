@@ -2,7 +2,7 @@
 // With no device the device tests are left out, and the exit code 4 says so to CTest.
 #include "tests/peer/peer.h"
 #include "sim/error.h"
-#include "tests/peer/device_tests.h"
+#include "tests/peer/frame_tests.h"
 #include "tests/peer/raw_pass.h"
 #include "tests/peer/test_scenes.h"
 
@@ -20,34 +20,6 @@
 
 namespace gnomon::peer {
 namespace {
-
-// Runs a check on each device, with the validation layer where it is installed; the layer must have nothing to say.
-void on_each_device(const std::function<void(const Peer&)>& check_on) {
-    for (const PeerDevice& device : usable_devices()) {
-        INFO("device " << device.name);
-        const Peer peer(device, {.validate = true});
-        check_on(peer);
-        for (const std::string& message : peer.validation_messages()) FAIL_CHECK(message);
-    }
-}
-
-FrameImages render(const Peer& peer, const scenes::Scene& scene, const TechniqueOptions& technique) {
-    Frame frame = scene_frame(scene, 320, 240);
-    frame.technique = technique;
-    return FrameRenderer(peer, frame).render();
-}
-
-// The texel that a world position falls on in an image seen through `view`, y down; and its depth.
-struct Place {
-    std::size_t index = 0;
-    float depth = 0;
-};
-Place place_of(const glm::vec3& position_ws, const scenes::View& view, std::uint32_t width, std::uint32_t height) {
-    const glm::vec4 clip = view.clip_from_world() * glm::vec4(position_ws, 1);
-    const float x_px = (clip.x / clip.w + 1) * 0.5f * static_cast<float>(width);
-    const float y_px = (1 - clip.y / clip.w) * 0.5f * static_cast<float>(height);
-    return {static_cast<std::size_t>(y_px) * width + static_cast<std::size_t>(x_px), clip.z / clip.w};
-}
 
 // Each technique with its name.
 struct Named {
@@ -79,12 +51,66 @@ std::vector<Named> all_techniques() {
          {.technique = Technique::Vsm, .map_size = 256, .filter = MapFilter::Trilinear, .blur_kernel = gaussian_kernel(3)}},
         {"VSM anisotropic",
          {.technique = Technique::Vsm, .map_size = 256, .filter = MapFilter::Trilinear, .max_anisotropy = 4}},
+        {"VSM rg16f anisotropic",
+         {.technique = Technique::Vsm,
+          .map_size = 256,
+          .filter = MapFilter::Trilinear,
+          .moment_format = MomentFormat::Rg16f,
+          .max_anisotropy = 16,
+          .min_variance = 1e-4f}},
+        {"EVSM4 rgba32f blur 5x5",
+         {.technique = Technique::Evsm4,
+          .map_size = 256,
+          .filter = MapFilter::Trilinear,
+          .moment_format = MomentFormat::Rgba32f,
+          .blur_kernel = gaussian_kernel(5)}},
+        {"EVSM4 rgba16f anisotropic",
+         {.technique = Technique::Evsm4,
+          .map_size = 256,
+          .filter = MapFilter::Trilinear,
+          .moment_format = MomentFormat::Rgba16f,
+          .max_anisotropy = 16,
+          .min_variance = 1e-4f,
+          .positive_exponent = 5.5f}},
     };
 }
 
 const std::vector<glm::vec3> kShadowed = {{1, 0, -1}, {0.3f, 0, -0.3f}, {1.7f, 0, -0.3f}, {0.3f, 0, -1.7f}, {1.7f, 0, -1.7f}};
 const std::vector<glm::vec3> kLit = {{-1, 0, -1},     {1, 0, 1},     {-1, 0, 1}, {-0.3f, 0, -0.3f},
                                      {0.3f, 0, 0.3f}, {2.3f, 0, -1}, {1, 1, -1}};
+
+// [Donnelly06] section 4, step 1; [Lauritzen08] section 4.2.
+std::vector<double> moments_of(double depth) { return {depth, depth * depth}; }
+std::vector<double> warped_moments(const TechniqueOptions& technique, double depth) {
+    const double x = 2 * depth - 1;
+    const double positive = std::exp(static_cast<double>(technique.positive_exponent) * x);
+    const double negative = -std::exp(-static_cast<double>(technique.negative_exponent) * x);
+    return {positive, positive * positive, negative, negative * negative};
+}
+
+// How many moments of a blurred map differ by more than 2e-6 of themselves from the kernel's sums over the sharp one, edge
+// texels repeated.
+int wrong_moments(const FrameImages& sharp, const std::vector<float>& kernel, const std::vector<float>& blurred) {
+    const int size = static_cast<int>(sharp.map_size);
+    const int channels = static_cast<int>(sharp.map_channels);
+    const int radius = static_cast<int>(kernel.size() / 2);
+    const auto index = [&](int x, int y, int channel) {
+        return static_cast<std::size_t>(channels * (std::clamp(y, 0, size - 1) * size + std::clamp(x, 0, size - 1)) + channel);
+    };
+    const auto weight = [&](int i) { return static_cast<double>(kernel[static_cast<std::size_t>(i + radius)]); };
+    int wrong = 0;
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x)
+            for (int channel = 0; channel < channels; ++channel) {
+                double sum = 0;
+                for (int j = -radius; j <= radius; ++j)
+                    for (int i = -radius; i <= radius; ++i)
+                        sum += weight(i) * weight(j) * static_cast<double>(sharp.map[index(x + i, y + j, channel)]);
+                const auto actual = static_cast<double>(blurred[index(x, y, channel)]);
+                if (!(std::abs(actual - sum) <= 2e-6 * std::abs(sum))) ++wrong;
+            }
+    return wrong;
+}
 
 std::set<float> distinct(const std::vector<float>& values) { return {values.begin(), values.end()}; }
 
@@ -162,43 +188,36 @@ TEST_CASE("the map holds the light's depth, or its moments", "[peer][device]") {
                     CHECK(images.map[place.index] == Approx(place.depth).margin(1e-5));
                     continue;
                 }
-                const double depth = static_cast<double>(linear_depth(p));
-                CHECK(images.map[2 * place.index] == Approx(depth).epsilon(1e-3).margin(1e-4));
-                CHECK(images.map[2 * place.index + 1] == Approx(depth * depth).epsilon(2e-3).margin(1e-4));
+                const auto depth = static_cast<double>(linear_depth(p));
+                const bool warped = named.technique.technique == Technique::Evsm4;
+                const std::vector<double> moments = warped ? warped_moments(named.technique, depth) : moments_of(depth);
+                REQUIRE(moments.size() == images.map_channels);
+                for (std::size_t channel = 0; channel < moments.size(); ++channel) {
+                    const float got = images.map[images.map_channels * place.index + channel];
+                    CHECK(got == Approx(moments[channel]).epsilon(2e-3).margin(warped ? 0 : 1e-4));
+                }
             }
         }
     });
 }
 
 TEST_CASE("the blur is the separable filter of the map", "[peer][device]") {
-    TechniqueOptions sharp{.technique = Technique::Vsm, .map_size = 64, .filter = MapFilter::Bilinear};
-    TechniqueOptions blurred = sharp;
-    blurred.blur_kernel = {0.1f, 0.2f, 0.4f, 0.2f, 0.1f};
-    on_each_device([&](const Peer& peer) {
-        const std::vector<float> map = render(peer, boxes(), sharp).map;
-        const std::vector<float> actual = render(peer, boxes(), blurred).map;
-        REQUIRE(map.size() == actual.size());
-        CHECK(distinct(actual).size() > 100);
-        const auto at = [&map](int x, int y, int channel) {
-            const int column = std::clamp(x, 0, 63);
-            const int row = std::clamp(y, 0, 63);
-            return static_cast<double>(map[static_cast<std::size_t>(2 * (row * 64 + column) + channel)]);
-        };
-        double worst = 0;
-        for (int y = 0; y < 64; ++y)
-            for (int x = 0; x < 64; ++x)
-                for (int channel = 0; channel < 2; ++channel) {
-                    double sum = 0;
-                    for (int j = -2; j <= 2; ++j)
-                        for (int i = -2; i <= 2; ++i)
-                            sum += static_cast<double>(blurred.blur_kernel[static_cast<std::size_t>(i + 2)]) *
-                                   static_cast<double>(blurred.blur_kernel[static_cast<std::size_t>(j + 2)]) *
-                                   at(x + i, y + j, channel);
-                    const float got = actual[static_cast<std::size_t>(2 * (y * 64 + x) + channel)];
-                    worst = std::max(worst, std::abs(static_cast<double>(got) - sum));
-                }
-        CHECK(worst < 1e-6);
-    });
+    const std::vector<float> kernel{0.1f, 0.2f, 0.4f, 0.2f, 0.1f};
+    const TechniqueOptions two{.technique = Technique::Vsm, .map_size = 64, .filter = MapFilter::Bilinear};
+    TechniqueOptions four = two;
+    four.technique = Technique::Evsm4;
+    four.moment_format = MomentFormat::Rgba32f;
+    for (TechniqueOptions technique : {two, four}) {
+        on_each_device([&](const Peer& peer) {
+            technique.blur_kernel = {};
+            const FrameImages sharp = render(peer, boxes(), technique);
+            technique.blur_kernel = kernel;
+            const std::vector<float> actual = render(peer, boxes(), technique).map;
+            REQUIRE(sharp.map.size() == actual.size());
+            CHECK(distinct(actual).size() > 100);
+            CHECK(wrong_moments(sharp, kernel, actual) == 0);
+        });
+    }
 }
 
 TEST_CASE("mips are the mean of the map", "[peer][device]") {
@@ -284,12 +303,50 @@ TEST_CASE("bad frames are refused", "[peer]") {
     refused([](Frame& f) { f.technique.taps = 0; });
     refused([](Frame& f) { f.technique.max_anisotropy = std::nanf(""); });
     refused([](Frame& f) { f.technique = {.technique = Technique::Pcf, .filter = MapFilter::Trilinear}; });
-    refused([](Frame& f) { f.technique.blur_kernel = {0.5f, 0.5f}; });
-    refused([](Frame& f) { f.technique.blur_kernel = {0.5f, 0.25f, 0.25f}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Pcf, .max_anisotropy = 16}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Vsm, .moment_format = MomentFormat::Rgba32f}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Vsm, .min_variance = -1e-5f}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Vsm, .blur_kernel = {0.5f, 0.5f}}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Vsm, .blur_kernel = {0.5f, 0.25f, 0.25f}}; });
+    refused([](Frame& f) { f.technique = {.technique = Technique::Evsm4, .moment_format = MomentFormat::Rg32f}; });
 
     scenes::Mesh broken = scene.meshes[0];
     broken.indices[0] = static_cast<std::uint32_t>(broken.vertices.size());
     refused([&broken](Frame& f) { f.draws[0].mesh = &broken; });
+}
+
+TEST_CASE("a warp's square fits in the map", "[peer]") {
+    // [Lauritzen08] section 4.2 with the largest exponents: half the logarithms of 65504 and of what floats can add up.
+    CHECK(largest_exponent(Encoding::Float16) == Approx(5.545).margin(1e-3));
+    CHECK(std::exp(2 * static_cast<double>(largest_exponent(Encoding::Float16))) < 65504 * (1 + 0x1p-12));  // rounds to 65504
+    CHECK(largest_exponent(Encoding::Float32) == Approx(42.975).margin(1e-3));
+    CHECK_THROWS_AS(largest_exponent(Encoding::Unorm16), Error);
+
+    const scenes::Scene scene = two_planes();
+    Frame frame = scene_frame(scene, 64, 64);
+    const auto check_exponents = [&frame](MomentFormat format, float positive, float negative) {
+        frame.technique = {.technique = Technique::Evsm4,
+                           .moment_format = format,
+                           .positive_exponent = positive,
+                           .negative_exponent = negative};
+        check_frame(frame);
+    };
+    CHECK_NOTHROW(check_exponents(MomentFormat::Rgba32f, 42, 42));
+    CHECK_NOTHROW(check_exponents(MomentFormat::Rgba16f, 5.54f, 5.54f));
+    CHECK_THROWS_AS(check_exponents(MomentFormat::Rgba32f, 43, 5), Error);
+    CHECK_THROWS_AS(check_exponents(MomentFormat::Rgba16f, 5.54f, 5.55f), Error);
+    CHECK_THROWS_AS(check_exponents(MomentFormat::Rgba16f, 0, 5), Error);
+    CHECK_THROWS_AS(check_exponents(MomentFormat::Rgba16f, 5, std::nanf("")), Error);
+}
+
+TEST_CASE("anisotropy beyond the device's is refused", "[peer]") {
+    PeerDevice device;
+    device.name = "some device";
+    CHECK_NOTHROW(check_anisotropy(device, 1));
+    CHECK_THROWS_WITH(check_anisotropy(device, 2), Catch::Contains("no anisotropic filtering"));
+    device.limits.max_anisotropy = 8;
+    CHECK_NOTHROW(check_anisotropy(device, 8));
+    CHECK_THROWS_WITH(check_anisotropy(device, 16), Catch::Contains("up to 8"));
 }
 
 TEST_CASE("a device that is not there is refused", "[peer][device]") {

@@ -170,27 +170,20 @@ OwnedPipelineLayout make_layout(const Device& device, VkDescriptorSetLayout set,
 
 }  // namespace
 
-MapKind map_kind(Technique technique) {
-    switch (technique) {
-        case Technique::None: return MapKind::None;
-        case Technique::ShadowMap: return MapKind::Depth;
-        case Technique::Pcf: return MapKind::Depth;
-        case Technique::Vsm: return MapKind::Moments;
-    }
-    return MapKind::None;
-}
-
 VkFormat moment_vk_format(MomentFormat format) {
     switch (format) {
         case MomentFormat::Rg32f: return VK_FORMAT_R32G32_SFLOAT;
         case MomentFormat::Rg16f: return VK_FORMAT_R16G16_SFLOAT;
         case MomentFormat::Rg16Unorm: return VK_FORMAT_R16G16_UNORM;
+        case MomentFormat::Rgba32f: return VK_FORMAT_R32G32B32A32_SFLOAT;
+        case MomentFormat::Rgba16f: return VK_FORMAT_R16G16B16A16_SFLOAT;
     }
     return VK_FORMAT_UNDEFINED;
 }
 
 Pipelines make_pipelines(const Device& device, const SetLayouts& layouts, const TechniqueOptions& technique) {
     const MapKind map = map_kind(technique.technique);
+    const bool has_moments = map_channels(map) >= 2;
     Pipelines pipelines{.scene_layout = make_layout(device, layouts.scene.get(), 0),
                         .blur_layout = make_layout(device, layouts.blur.get(), sizeof(BlurConstants))};
 
@@ -199,14 +192,14 @@ Pipelines make_pipelines(const Device& device, const SetLayouts& layouts, const 
     const std::int32_t anisotropic = technique.max_anisotropy > 1 ? 1 : 0;
     pipelines.receiver = make_pipeline(device, {.layout = pipelines.scene_layout.get(),
                                                 .shaders = receiver_shaders(map, taps),
-                                                .constant_0 = map == MapKind::Moments ? anisotropic : taps,
+                                                .constant_0 = has_moments ? anisotropic : taps,
                                                 .color_formats = kReceiverFormats,
                                                 .vertex_attributes = 2,
                                                 .has_depth = true});
     if (map == MapKind::None) return pipelines;
 
     const std::array moment_format{moment_vk_format(technique.moment_format)};
-    const std::span<const VkFormat> map_formats(moment_format.data(), map == MapKind::Moments ? 1u : 0u);
+    const std::span<const VkFormat> map_formats(moment_format.data(), has_moments ? 1u : 0u);
     pipelines.caster = make_pipeline(device, {.layout = pipelines.scene_layout.get(),
                                               .shaders = caster_shaders(map),
                                               .color_formats = map_formats,
@@ -215,9 +208,9 @@ Pipelines make_pipelines(const Device& device, const SetLayouts& layouts, const 
                                               .depth_bias_constant = technique.depth_bias_constant,
                                               .depth_bias_slope = technique.depth_bias_slope});
     const auto blur_taps = static_cast<std::int32_t>(technique.blur_kernel.size());
-    if (map == MapKind::Moments && blur_taps > 0)
+    if (has_moments && blur_taps > 0)
         pipelines.blur = make_pipeline(device, {.layout = pipelines.blur_layout.get(),
-                                                .shaders = blur_shaders(blur_taps),
+                                                .shaders = blur_shaders(map, blur_taps),
                                                 .constant_0 = blur_taps / 2,
                                                 .color_formats = map_formats});
     return pipelines;

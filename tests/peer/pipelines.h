@@ -14,7 +14,6 @@ inline constexpr VkFormat kColorFormat = VK_FORMAT_R8G8B8A8_UNORM;
 inline constexpr VkFormat kVisibilityFormat = VK_FORMAT_R32_SFLOAT;
 inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
-MapKind map_kind(Technique technique);
 VkFormat moment_vk_format(MomentFormat format);
 
 /// The push constants of blur.frag.

@@ -1,9 +1,13 @@
 // Matrices are multiplied here, once per draw, in fp32.
 #include "tests/peer/uniforms.h"
 
+#include "sim/scalar_math.h"
+
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+
+#include <cmath>
 
 namespace gnomon::peer {
 namespace {
@@ -40,6 +44,9 @@ DrawBlock draw_block(const Frame& frame, const Draw& draw) {
 }
 
 FrameBlock frame_block(const Frame& frame) {
+    const TechniqueOptions& technique = frame.technique;
+    const glm::dvec2 exponents(technique.positive_exponent, technique.negative_exponent);
+    const double deviation = std::sqrt(static_cast<double>(technique.min_variance));
     const bool spot = is_perspective(frame.light);
     return {
         .light_position = spot ? glm::vec4(frame.light.position_ws, 1) : glm::vec4(-frame.light.direction_ws, 0),
@@ -48,9 +55,12 @@ FrameBlock frame_block(const Frame& frame) {
         .cone_scale = frame.lighting.cone_scale,
         .cone_offset = frame.lighting.cone_offset,
         .ambient = frame.lighting.ambient,
-        .texel = 1.0f / static_cast<float>(frame.technique.map_size),
-        .min_variance = frame.technique.min_variance,
-        .padding = {},
+        .texel = 1.0f / static_cast<float>(technique.map_size),
+        .min_variance = technique.min_variance,
+        .padding_0 = 0,
+        .warp_exponents = glm::vec2(exponents * glm::dvec2(1, -1) * scalar::kLog2E),
+        .least_warped = glm::vec2(2.0 * deviation * exponents),
+        .padding_1 = {},
     };
 }
 

@@ -5,6 +5,7 @@
 
 #include <glm/mat3x4.hpp>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
 
 #include <cstddef>
@@ -31,9 +32,12 @@ struct FrameBlock {
     float ambient;
     float texel;
     float min_variance;
-    float padding[3];
+    float padding_0;
+    glm::vec2 warp_exponents;
+    glm::vec2 least_warped;
+    glm::vec2 padding_1;
 };
-static_assert(sizeof(FrameBlock) == 80 && offsetof(FrameBlock, min_variance) == 64);
+static_assert(sizeof(FrameBlock) == 96 && offsetof(FrameBlock, warp_exponents) == 72);
 
 DrawBlock draw_block(const Frame& frame, const Draw& draw);
 FrameBlock frame_block(const Frame& frame);

@@ -1,10 +1,17 @@
 // D3D11.3 22.4.19: comparison sampling with the reference quantised as depth output is.
 #include "tests/oracle/random.h"
 #include "tests/oracle/raster.h"
+#include "tests/unit/functor_calls.h"
 #include "tests/unit/texunit_calls.h"
+#include "texunit/aniso.h"
+#include "texunit/record.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
 
 using namespace gnomon;
 using namespace gnomon::testing;
@@ -173,5 +180,156 @@ TEST_CASE("the border takes part in comparisons at the format's precision", "[22
                               .border = glm::vec4(0.5f)};
         INFO(name_of(format));
         CHECK(compare_all(texture, sampler, Profile{}, std::vector<Coordinate>{{2.0f, 0.5f, 0.0f, 0.5f}})[0] == 1.0f);
+    }
+}
+
+namespace {
+
+/// Compares on a curved path, so that no two quads have the same derivatives.
+struct CompareQuad {
+    TextureId map = TextureId::None;
+    Sampler sampler{};
+    static constexpr auto fields() {
+        return std::tuple{Field{"map", &CompareQuad::map}, Field{"sampler", &CompareQuad::sampler}};
+    }
+
+    template <class Real>
+    static Vec2<Real> coordinate(const Vec2<Real>& at) {
+        return {at.x * at.x * Real(1.0f / 256.0f) + at.y * Real(1.0f / 512.0f), at.y * at.y * Real(1.0f / 1024.0f)};
+    }
+    template <class Real>
+    static Real reference(const Vec2<Real>& at) {
+        return (at.x + at.y) * Real(1.0f / 32.0f);
+    }
+    template <class F>
+    auto operator()(const F& f) const {
+        using Real = typename F::Real;
+        const Vec2<Real> at{f.position.x, f.position.y};
+        const Real result = f.sample_compare_quad(map, sampler, coordinate(at), reference(at));
+        return Vec4<Real>{result, f.sample_compare(map, sampler, coordinate(at), reference(at)), result, result};
+    }
+};
+
+std::vector<Sampler> comparison_samplers(int anisotropy) {
+    std::vector<Sampler> samplers;
+    for (const TexelFilter min : {TexelFilter::Nearest, TexelFilter::Linear})
+        for (const TexelFilter mag : {TexelFilter::Nearest, TexelFilter::Linear})
+            for (const MipFilter mip : {MipFilter::Base, MipFilter::Nearest, MipFilter::Linear})
+                samplers.push_back({.min = min, .mag = mag, .mip = mip, .max_anisotropy = anisotropy});
+    return samplers;
+}
+
+/// The functor's result against the texture unit's, to the bit, and what both of its comparisons cost.
+template <class Real>
+std::vector<float> check_quad_comparison(Device& device, const CompareQuad& pixel) {
+    const FunctorResult drawn = run_functor(device, pixel);
+    const TextureView view(device.texture(pixel.map));
+    const Profile& profile = device.profile();
+    SampleCost cost;
+    const auto count = [&](const Vec2<Real>& uv, const LevelOfDetail<Real>& lod) {
+        const SampleCost wave =
+            sample_cost(view, pixel.sampler, profile, Vec3<Real>{uv.x, uv.y, Real(0.0f)}, lod, {}, kAllLanes);
+        cost = {cost.probes + wave.probes, cost.texels + wave.texels};
+    };
+    std::vector<float> results(kFunctorPixels);
+    for_quads<Real>([&](const Vec2<Real>& at, const auto& pixels) {
+        const Vec2<Real> uv = CompareQuad::coordinate(at);
+        const Real reference = CompareQuad::reference(at);
+        const LevelOfDetail<Real> lod = level_of_detail(quad_gradients(uv, profile), view, pixel.sampler, profile);
+        const LevelOfDetail<Real> top(Real(0.0f));
+        const auto quad = to_float(sample_compare(view, pixel.sampler, profile, uv, reference, lod)).lanes();
+        const auto base = to_float(sample_compare(view, pixel.sampler, profile, uv, reference, top)).lanes();
+        count(uv, lod);
+        count(uv, top);
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            results[pixels[i]] = drawn.at(pixels[i], 0);
+            if (drawn.at(pixels[i], 0) != quad[i] || drawn.at(pixels[i], 1) != base[i])
+                FAIL(fmt::format("pixel {}: {:a} and {:a}, expected {:a} and {:a}", pixels[i], drawn.at(pixels[i], 0),
+                                 drawn.at(pixels[i], 1), quad[i], base[i]));
+        }
+    });
+    CHECK(drawn.tally.counters.texture_instructions == 2 * kFunctorPixels);
+    CHECK(drawn.tally.counters.texture_probes == cost.probes);
+    CHECK(drawn.tally.counters.texels_fetched == cost.texels);
+    const Sampler& s = pixel.sampler;
+    const bool takes_derivatives = s.mip != MipFilter::Base || s.min != s.mag || s.max_anisotropy > 1;
+    CHECK(drawn.tally.counters.derivatives == (takes_derivatives ? kFunctorPixels : 0));
+    return results;
+}
+
+}  // namespace
+
+TEST_CASE("a functor's comparison has the level of detail and the anisotropy of its quad", "[22.4.19][7.18.11]") {
+    for (const Profile& profile : profile_presets()) {
+        for (const Format format : {Format::D16, Format::D32Float}) {
+            Device device(profile, 1);
+            const TextureId map = random_texture(device, {.format = format, .width = 64, .height = 64, .levels = 7}, 19,
+                                                 [&](oracle::Random& random) { return moderate_code(format, random); });
+            const auto isotropic = comparison_samplers(1);
+            const auto anisotropic = comparison_samplers(16);
+            for (std::size_t i = 0; i < isotropic.size(); ++i) {
+                const auto run = [&](const Sampler& sampler) {
+                    INFO(fmt::format("{} {}: min {}, mag {}, mip {}, anisotropy {}", profile.name, name_of(format),
+                                     name_of(sampler.min), name_of(sampler.mag), name_of(sampler.mip), sampler.max_anisotropy));
+                    std::vector<float> results;
+                    with_arithmetic(profile, [&]<class Real>(Real) {
+                        results = check_quad_comparison<Real>(device, {.map = map, .sampler = sampler});
+                    });
+                    return results;
+                };
+                const auto one = run(isotropic[i]);
+                const auto many = run(anisotropic[i]);
+                CHECK(one != many);
+                CHECK(std::set(many.begin(), many.end()).size() > 10);  // fractions, of nearest taps, too
+            }
+        }
+    }
+}
+
+TEST_CASE("an anisotropic comparison is the mean of its probes, nearest or linear", "[22.4.19][7.18.11]") {
+    // Columns of 0.25 and 0.75; eight texels long and one wide, the footprint has eight probes at k/9 of its line.
+    constexpr int kWidth = 64;
+    constexpr int kProbes = 8;
+    const auto passes_at = [](int column) { return std::clamp(column, 0, kWidth - 1) % 3 != 0 ? 1.0 : 0.0; };
+    Texture texture({.format = Format::D32Float, .width = kWidth, .height = 4});
+    std::vector<float> depths;
+    for (int i = 0; i < kWidth * 4; ++i) depths.push_back(i % kWidth % 3 != 0 ? 0.75f : 0.25f);
+    texture.set_level_bytes(0, std::as_bytes(std::span(depths)).data(), depths.size() * 4);
+
+    std::vector<SampleRequest> requests;
+    for (int i = 0; i < 1024; ++i) {  // sixteenths of a texel: no probe comes close to an edge between texels
+        SampleRequest request{.coordinate = {i / 1024.0, 0.375, 0}, .reference = 0.5};
+        request.gradient = SampleGradient{.dx = {8.0 / kWidth, 0, 0}, .dy = {0, 1.0 / 4, 0}};
+        requests.push_back(request);
+    }
+    for (const TexelFilter filter : {TexelFilter::Nearest, TexelFilter::Linear}) {
+        for (const MipFilter mip : {MipFilter::Base, MipFilter::Linear}) {
+            const Sampler sampler{.min = filter, .mag = filter, .mip = mip, .max_anisotropy = 16};
+            CHECK_NOTHROW(check_sampler(sampler, "sampler"));
+            INFO(name_of(filter));
+            const auto results = sample_all(texture, sampler, load_profile("d3d11"), requests);
+            for (std::size_t i = 0; i < requests.size(); ++i) {
+                double expected = 0;
+                for (int k = 1; k <= kProbes; ++k) {
+                    const double u = kWidth * requests[i].coordinate[0] + 8.0 * (k / (kProbes + 1.0) - 0.5);
+                    const double left = std::floor(u - 0.5);
+                    const double weight = u - 0.5 - left;
+                    const int column = static_cast<int>(left);
+                    expected +=
+                        (filter == TexelFilter::Nearest ? passes_at(static_cast<int>(std::floor(u)))
+                                                        : (1.0 - weight) * passes_at(column) + weight * passes_at(column + 1)) /
+                        kProbes;
+                }
+                // Weights have 8 bits, and eight means of numbers up to 1 are rounded.
+                const double tolerance = filter == TexelFilter::Nearest ? 0x1p-20 : 0x1p-9 + 0x1p-20;
+                const double got = results[i].color[0];
+                if (!(std::fabs(got - expected) <= tolerance))
+                    FAIL(fmt::format("u {}: {:a}, expected {:a}", requests[i].coordinate[0], got, expected));
+            }
+            const SampleRecord record = record_sample(texture, sampler, load_profile("d3d11"), requests[500]);
+            CHECK(record.probes.size() == std::size_t{kProbes});
+            for (const ProbeRecord& probe : record.probes)
+                CHECK(probe.levels[0].taps.size() == (filter == TexelFilter::Nearest ? 1u : 4u));
+        }
     }
 }

@@ -1,7 +1,7 @@
 // Same bytes for any number of threads, for every technique and format; relations between techniques; the blur.
 #include "scenes/procedural.h"
+#include "techniques/common/gaussian.h"
 #include "techniques/frame.h"
-#include "techniques/gaussian.h"
 #include "tests/oracle/texture.h"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 // Chebyshev's bound is exactly the unoccluded share of the filter.
 #include "scenes/procedural.h"
 #include "sim/fixed.h"
+#include "techniques/common/moments.h"
 #include "techniques/frame.h"
-#include "techniques/moments.h"
 #include "techniques/vsm.h"
 #include "tests/oracle/random.h"
 #include "tests/techniques/bound_interval.h"

@@ -1,8 +1,8 @@
 // What formats, depth metrics, filters and resolves make of a frame. [Donnelly06] 5.3; [Lauritzen08] 3.4, 4.1.3
 #include "pipeline/program.h"
-#include "techniques/depth_map.h"
-#include "techniques/filtered_map.h"
-#include "techniques/light_bleeding.h"
+#include "techniques/common/depth_map.h"
+#include "techniques/common/filtered_map.h"
+#include "techniques/common/light_bleeding.h"
 #include "tests/oracle/random.h"
 #include "tests/techniques/frames.h"
 

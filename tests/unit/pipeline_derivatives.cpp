@@ -13,7 +13,7 @@ using namespace gnomon::testing;
 
 namespace {
 
-enum class Where { Straight, AfterDiscard, InsideBranch, ImplicitLod, PerSample };
+enum class Where { Straight, AfterDiscard, InsideBranch, ImplicitLod, ImplicitSlice, ImplicitComparison, PerSample };
 
 struct Screen {
     template <class Real>
@@ -63,6 +63,16 @@ struct Takes {
             const Sampler sampler{.mip = MipFilter::Linear};
             sum = f.sample(texture, sampler, Vec2<Real>{f.in.a, f.in.b}).x;
             (void)f.sample_level(texture, sampler, Vec2<Real>{f.in.a, f.in.b}, Real(0.0f));  // takes none
+        }
+        if constexpr (kWhere == Where::ImplicitSlice) {
+            const Sampler sampler{.mip = MipFilter::Linear};
+            sum = f.sample(texture, sampler, Vec3<Real>{f.in.a, f.in.b, f.in.a}).x;
+            (void)f.sample_level(texture, sampler, Vec3<Real>{f.in.a, f.in.b, f.in.a}, Real(0.0f));  // takes none
+        }
+        if constexpr (kWhere == Where::ImplicitComparison) {
+            const Sampler sampler{.max_anisotropy = 16};
+            sum = f.sample_compare_quad(texture, sampler, Vec2<Real>{f.in.a, f.in.b}, Real(0.5f));
+            (void)f.sample_compare_quad(texture, {}, Vec2<Real>{f.in.a, f.in.b}, Real(0.5f));  // takes none
         }
         if constexpr (kWhere == Where::PerSample) {
             if (f.sample_index() == 1) f.discard(odd);
@@ -200,12 +210,15 @@ TEST_CASE("a lane is a helper, discarded or outside, and one derivative counts o
 }
 
 TEST_CASE("implicit levels of detail are derivatives, explicit ones are not", "[derivatives][counters]") {
-    const Outcome outcome = run(program<Where::ImplicitLod>(), {}, {{-4096, -4096, 15, 256}});
-    CHECK(outcome.counters.texture_instructions == 2 * 15 * 16);
-    CHECK(outcome.counters.derivatives == 15 * 16);
-    CHECK(outcome.counters.derivatives_helper == 16);
-    CHECK(outcome.counters.invalid_derivatives == 16);
-    check_report(outcome, [](int x, int) { return x == 15 ? kUntouched : x == 14 ? std::uint32_t{kFromHelper} : 0u; });
+    for (const Program* instruction :
+         {&program<Where::ImplicitLod>(), &program<Where::ImplicitSlice>(), &program<Where::ImplicitComparison>()}) {
+        const Outcome outcome = run(*instruction, {}, {{-4096, -4096, 15, 256}});
+        CHECK(outcome.counters.texture_instructions == 2 * 15 * 16);
+        CHECK(outcome.counters.derivatives == 15 * 16);
+        CHECK(outcome.counters.derivatives_helper == 16);
+        CHECK(outcome.counters.invalid_derivatives == 16);
+        check_report(outcome, [](int x, int) { return x == 15 ? kUntouched : x == 14 ? std::uint32_t{kFromHelper} : 0u; });
+    }
 }
 
 TEST_CASE("the report is the same without counters, and nothing is noted without a report", "[derivatives]") {

@@ -74,7 +74,21 @@ struct Indexed {
     }
 };
 
-enum class Call { Sample, Gradient, Level, Compare, Gather, GatherCompare, Load, Invented };
+enum class Call {
+    Sample,
+    Gradient,
+    Level,
+    Slice,
+    SliceGradient,
+    SliceLevel,
+    Compare,
+    CompareQuad,
+    Gather,
+    GatherCompare,
+    Load,
+    LoadCodes,
+    Invented
+};
 
 /// One call, with the operands that the constants say.
 struct OneCall {
@@ -97,20 +111,24 @@ struct OneCall {
         const Vec2<Real> uv = uv_of(f);
         const glm::ivec2 offset{offset_x, offset_y};
         const Real half(0.5f);
+        const Vec3<Real> slice{uv.x, uv.y, half};
+        const auto all_of = [](const Real& x) { return Vec4<Real>{x, x, x, x}; };
         switch (static_cast<Call>(call)) {
             case Call::Sample: return f.sample(map, sampler, uv, {.offset = offset});
             case Call::Gradient: return f.sample_gradient(map, sampler, uv, {uv, uv}, {.offset = offset});
             case Call::Level: return f.sample_level(map, sampler, uv, half, {.offset = offset});
-            case Call::Compare: {
-                const Real result = f.sample_compare(map, sampler, uv, half);
-                return Vec4<Real>{result, result, result, result};
-            }
+            case Call::Slice: return f.sample(map, sampler, slice, {.offset = offset});
+            case Call::SliceGradient: return f.sample_gradient(map, sampler, slice, {uv, uv}, {.offset = offset});
+            case Call::SliceLevel: return f.sample_level(map, sampler, slice, half, {.offset = offset});
+            case Call::Compare: return all_of(f.sample_compare(map, sampler, uv, half));
+            case Call::CompareQuad: return all_of(f.sample_compare_quad(map, sampler, uv, half));
             case Call::Gather: return f.gather(map, sampler, uv, component, offset);
             case Call::GatherCompare: return f.gather_compare(map, sampler, uv, half, offset);
             case Call::Load: return f.load(map, Int(1), Int(1));
+            case Call::LoadCodes: return all_of(Real(f.load_codes(map, Int(1), Int(1)).x));
             case Call::Invented: return f.load(static_cast<TextureId>(4711), Int(1), Int(1));
         }
-        return Vec4<Real>{half, half, half, half};
+        return all_of(half);
     }
 };
 
@@ -231,9 +249,10 @@ TEST_CASE("a format that the profile does not filter meets only samplers that do
         for (const Sampler& sampler : filtering_samplers()) {
             CHECK(mentions(nv40.draw(OneCall{.map = map, .sampler = sampler}),
                            {"draw 'shadows': map", format_info(format).name, "nv40", "nearest"}));
-            // Comparison sampling is no way round.
-            CHECK(mentions(nv40.draw(OneCall{.map = map, .sampler = sampler, .call = static_cast<int>(Call::Compare)}),
-                           {"draw 'shadows': map", "nv40"}));
+            // Slices and comparisons are no way round.
+            for (const Call way : {Call::Slice, Call::SliceGradient, Call::SliceLevel, Call::Compare, Call::CompareQuad})
+                CHECK(mentions(nv40.draw(OneCall{.map = map, .sampler = sampler, .call = static_cast<int>(way)}),
+                               {"draw 'shadows': map", "nv40"}));
         }
         CHECK(nv40.untouched());
         CHECK(nv40.draw(OneCall{.map = map, .sampler = kNearest}) == "");
@@ -274,7 +293,8 @@ TEST_CASE("calls that no texture unit has are refused with the constant's name",
         CHECK(mentions(call(Call::Gather, {.component = component}),
                        {"draw 'shadows': map", fmt::format("{}", component), "0 to 3"}));
     for (const int component : {0, 3}) CHECK(call(Call::Gather, {.component = component}) == "");
-    for (const Call which : {Call::Sample, Call::Gradient, Call::Level, Call::Gather, Call::GatherCompare}) {
+    for (const Call which : {Call::Sample, Call::Gradient, Call::Level, Call::Slice, Call::SliceGradient, Call::SliceLevel,
+                             Call::Gather, Call::GatherCompare}) {
         for (const int offset : {-9, 8, std::numeric_limits<int>::min()}) {
             CHECK(mentions(call(which, {.offset_x = offset}),
                            {"draw 'shadows': map", fmt::format("({}, 0)", offset), "-8 to 7"}));
@@ -284,12 +304,19 @@ TEST_CASE("calls that no texture unit has are refused with the constant's name",
         CHECK(call(which, {.offset_x = -8, .offset_y = 7}) == "");
     }
     const TextureId cube = b.create(Format::Rgba8Unorm, 1, TextureKind::Cube);
-    for (const Call which : {Call::Sample, Call::Gradient, Call::Level, Call::Compare, Call::Gather, Call::GatherCompare})
-        CHECK(mentions(call(which, {.map = cube}), {"draw 'shadows': map", "cube", "2D"}));
+    for (const Call which : {Call::Sample, Call::Gradient, Call::Level, Call::Slice, Call::SliceGradient, Call::SliceLevel,
+                             Call::Compare, Call::CompareQuad, Call::Gather, Call::GatherCompare})
+        CHECK(call(which, {.map = cube}) ==
+              "draw 'shadows': map is a cube texture, sampled at 2D coordinates: its faces can only be loaded from");
     CHECK(call(Call::Load, {.map = cube}) == "");  // of a face
     const TextureId integers = b.create(Format::R32Uint);
-    for (const Call which : {Call::Compare, Call::GatherCompare})
-        CHECK(mentions(call(which, {.map = integers}), {"draw 'shadows': map", "r32ui", "not compared"}));
+    for (const Call which : {Call::Compare, Call::CompareQuad, Call::GatherCompare})
+        CHECK(call(which, {.map = integers}) == "draw 'shadows': map holds r32ui: integers are not compared");
+    CHECK(call(Call::LoadCodes, {.map = integers}) == "");
+    for (const Format format : {Format::Rgba8Unorm, Format::R32Float, Format::D16})
+        CHECK(call(Call::LoadCodes, {.map = b.create(format)}) ==
+              fmt::format("draw 'shadows': map holds {}, and its codes are loaded: expected a format of unsigned integers",
+                          name_of(format)));
     CHECK(mentions(call(Call::Invented, {}), {"draw 'shadows'", "4711", "does not exist"}));
 }
 

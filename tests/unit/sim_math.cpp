@@ -1,4 +1,5 @@
-// rcp, rsqrt, exp2 and log2: worst errors over floats, against libm in long double, and the bounds that sim/math.h states.
+// rcp, rsqrt, exp2, log2 and sin_cos: worst errors over floats, against libm in long double, and the bounds that sim/math.h
+// states.
 #include "sim/denormals.h"
 #include "sim/math.h"
 #include "sim/parallel.h"
@@ -100,7 +101,39 @@ void check_all(std::uint32_t stride) {
     for (const Worst& worst : {r, s, e_up, e_down, l}) CHECK(worst.error_ulp > 0.25);  // the sweep saw something
 }
 
+/// sin_cos over the floats of [first, last] and their negatives, in units of 2^-24 absolute.
+Worst sweep_sin_cos(const char* range, float first, float last, std::uint32_t stride) {
+    const auto unit = [](long double) { return 0x1p-24L; };
+    const auto sine = [](long double x) { return std::sin(x); };
+    const auto cosine = [](long double x) { return std::cos(x); };
+    Worst worst;
+    for (const float sign : {1.0f, -1.0f}) {
+        const std::uint32_t begin = bits(sign * first);
+        const std::uint32_t end = bits(sign * last) + 1;
+        const Worst s = sweep(begin, end, stride, [](Float x) { return sin_cos(x).sin; }, sine, unit);
+        const Worst c = sweep(begin, end, stride, [](Float x) { return sin_cos(x).cos; }, cosine, unit);
+        for (const Worst& one : {s, c})
+            if (!(one.error_ulp <= worst.error_ulp)) worst = one;
+    }
+    fmt::print("  sin_cos {}: worst error {:.4f} of 2^-24 absolute at {:a}\n", range, worst.error_ulp, worst.at);
+    return worst;
+}
+
+void check_sin_cos(std::uint32_t stride) {
+    const Worst near = sweep_sin_cos("to 100 pi", 0x1p-30f, 314.159271f, stride);
+    const Worst middle = sweep_sin_cos("from 100 pi to 2^12 quarter turns", 314.159271f, 6433.0f, std::max(stride / 4, 1u));
+    const Worst far = sweep_sin_cos("to 2^20", 6433.0f, 0x1p20f, std::max(stride / 4, 1u));
+    CHECK(near.error_ulp < 2.0);  // 2^-23; D3D11.3 22.10.20 asks for 0.0008
+    CHECK(middle.error_ulp < 2.0);
+    CHECK(far.error_ulp < 0x1p-4 * 0x1p24);  // products with the turns are rounded: half an ULP of the argument
+    for (const Worst& worst : {near, middle}) CHECK(worst.error_ulp > 0.5);  // the sweep saw something
+}
+
 }  // namespace
+
+TEST_CASE("sin_cos stays within its stated error", "[math][22.10.20]") { check_sin_cos(1031); }
+
+TEST_CASE("sin_cos over every seventh float", "[.][sweep][math]") { check_sin_cos(7); }
 
 TEST_CASE("rcp, rsqrt, exp2 and log2 stay within their stated errors", "[math][22.10]") { check_all(1031); }
 
@@ -164,7 +197,82 @@ TEST_CASE("transcendental special values", "[math]") {
     CHECK(std::isnan(d(log2(Double(std::nan(""))))));
 }
 
-TEST_CASE("denormal operands of log2 and exp2 while denormals are flushed", "[math][3.1.3.2]") {
+namespace {
+
+struct SinCosBits {
+    std::uint32_t sin;
+    std::uint32_t cos;
+    bool operator==(const SinCosBits&) const = default;
+};
+SinCosBits sin_cos_bits(float x) {
+    const SinCosLanes<Float> both = sin_cos(Float(x));
+    return {bits(lane(both.sin, 0)), bits(lane(both.cos, 0))};
+}
+
+}  // namespace
+
+TEST_CASE("special values of sin_cos", "[math][22.10.20]") {
+    constexpr std::uint32_t kOne = 0x3f800000;
+    constexpr std::uint32_t kNan = 0x7fc00000;
+    CHECK(sin_cos_bits(0.0f) == SinCosBits{0, kOne});
+    CHECK(sin_cos_bits(-0.0f) == SinCosBits{0x80000000, kOne});
+    CHECK(sin_cos_bits(-0x1p-149f) == SinCosBits{0x80000001, kOne});
+    for (const float x : {HUGE_VALF, -HUGE_VALF, std::nanf(""), -std::nanf("")})
+        CHECK(sin_cos_bits(x) == SinCosBits{kNan, kNan});
+    // Numbers of any size give numbers in [-1, 1].
+    for (std::uint32_t x = 0; x < bits(HUGE_VALF); x += 4099) {
+        const SinCosLanes<Float> both = sin_cos(Float(std::bit_cast<float>(x)));
+        const float s = lane(both.sin, 0);
+        const float c = lane(both.cos, 0);
+        if (!(std::fabs(s) <= 1.0f && std::fabs(c) <= 1.0f))
+            FAIL(fmt::format("{:a}: {:a} and {:a}", std::bit_cast<float>(x), s, c));
+        // Odd and even.
+        const SinCosBits negated = sin_cos_bits(-std::bit_cast<float>(x));
+        if (negated != SinCosBits{bits(-s), bits(c)}) FAIL(fmt::format("{:a} and its negative", std::bit_cast<float>(x)));
+    }
+    CHECK(sin_cos_bits(0x1p20f) == sin_cos_bits(0x1p100f));
+}
+
+TEST_CASE("sin_cos has the same bits in every lane and at every width", "[math]") {
+    // The bits of 2^18 floats of all sizes, some of them NaN, through FNV-1a: one constant for all builds.
+    std::uint64_t hash = 0xcbf29ce484222325u;
+    const auto add = [&](std::int32_t word) { hash = (hash ^ static_cast<std::uint32_t>(word)) * 0x100000001b3u; };
+    for (std::uint32_t n = 0; n < 1u << 18; n += kLanes) {
+        std::array<std::int32_t, kLanes> x;
+        for (std::uint32_t i = 0; i < kLanes; ++i) x[i] = static_cast<std::int32_t>((n + i) * 16411u);
+        const SinCosLanes<Float> both = sin_cos(float_of_bits(Int::load(x.data())));
+        const auto s = bits_of(both.sin).lanes();
+        const auto c = bits_of(both.cos).lanes();
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            add(s[i]);
+            add(c[i]);
+        }
+    }
+    INFO(fmt::format("{:#x}", hash));
+    CHECK(hash == 0x2b2d968e8834956au);
+}
+
+TEST_CASE("sin_cos of doubles", "[math][22.10.20]") {
+    double worst = 0;
+    for (int i = -200000; i <= 200000; ++i) {
+        const double x = i * (314.2 / 200000);
+        const SinCosLanes<Double> both = sin_cos(Double(x));
+        worst = std::max({worst, static_cast<double>(std::fabs(lane(both.sin, 0) - std::sin(static_cast<long double>(x)))),
+                          static_cast<double>(std::fabs(lane(both.cos, 0) - std::cos(static_cast<long double>(x))))});
+    }
+    fmt::print("  sin_cos of doubles to 100 pi: worst error {:.3g}\n", worst);
+    CHECK(worst < 1e-15);
+    const auto at = [](double x) { return std::pair{lane(sin_cos(Double(x)).sin, 0), lane(sin_cos(Double(x)).cos, 0)}; };
+    CHECK(at(0.0) == std::pair{0.0, 1.0});
+    CHECK(std::signbit(at(-0.0).first));
+    CHECK(at(1e300) == at(0x1p20));
+    for (const double x : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+        CHECK(std::isnan(at(x).first));
+        CHECK(std::isnan(at(x).second));
+    }
+}
+
+TEST_CASE("denormal operands of log2, exp2 and sin_cos while denormals are flushed", "[math][3.1.3.2]") {
     // Through volatile: what a compiler folds at compile time knows nothing of the scope.
     volatile float tiny = 0x1p-130f;
     volatile float lowest = -126.0f;
@@ -174,6 +282,8 @@ TEST_CASE("denormal operands of log2 and exp2 while denormals are flushed", "[ma
     CHECK(lane(exp2(Float(lowest)), 0) == 0x1p-126f);
     CHECK(lane(exp2(Float(below)), 0) == 0.0f);
     CHECK(lane(exp2(Float(tiny)), 0) == 1.0f);
+    CHECK(bits(lane(sin_cos(Float(-tiny)).sin, 0)) == 0x80000000u);
+    CHECK(lane(sin_cos(Float(tiny)).cos, 0) == 1.0f);
 }
 
 TEST_CASE("host functions in double agree with libm", "[math]") {

@@ -19,4 +19,6 @@ layout(set = 0, binding = 1, std140) uniform FrameBlock {
     float ambient;
     float texel;  // 1 / map size
     float min_variance;
+    vec2 warp_exponents;  // (c+, -c-) log2(e). [Lauritzen08] section 4.2
+    vec2 least_warped;    // least deviation of a warp, per its value
 } frame;

@@ -8,7 +8,14 @@ layout(push_constant) uniform BlurConstants {
     float weights[16];  // weights[i] is the weight of the texels i steps away
 } blur;
 
-layout(location = 0) out vec2 moments;
+#if CHANNELS == 4
+#define MOMENTS vec4
+#define CHANNELS_OF(texel) texel
+#else
+#define MOMENTS vec2
+#define CHANNELS_OF(texel) texel.xy
+#endif
+layout(location = 0) out MOMENTS moments;
 
 #if TAPS == 0
 layout(constant_id = 0) const int kRadius = 1;
@@ -17,9 +24,9 @@ layout(constant_id = 0) const int kRadius = 1;
 void main() {
     const ivec2 texel = ivec2(gl_FragCoord.xy);
     const ivec2 last = textureSize(moments_map, 0) - 1;
-    vec2 sum = vec2(0.0);
-#define TAP(i) \
-    sum += blur.weights[abs(i)] * texelFetch(moments_map, clamp(texel + (i) * blur.step_texels, ivec2(0), last), 0).xy;
+    MOMENTS sum = MOMENTS(0.0);
+#define FETCH(i) texelFetch(moments_map, clamp(texel + (i) * blur.step_texels, ivec2(0), last), 0)
+#define TAP(i) sum += blur.weights[abs(i)] * CHANNELS_OF(FETCH(i));
 #if TAPS == 3
     TAP(-1) TAP(0) TAP(1)
 #elif TAPS == 5

@@ -1,4 +1,5 @@
-// Camera pass, fragments: lit colour (gamma 2) and visibility. As techniques/receiver.h, shadow_map.h, pcf.h and vsm.h.
+// Camera pass, fragments: lit colour (gamma 2) and visibility. As techniques/receiver.h, shadow_map.h, pcf.h and vsm.h; four
+// moments by [Lauritzen08] section 4.2.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "blocks.glsl"
@@ -50,27 +51,43 @@ float map_visibility(vec3 at) {
 #endif
     return lit * (1.0 / float(kTaps * kTaps));
 }
-#elif MAP == MAP_MOMENTS
+#elif MAP == MAP_MOMENTS || MAP == MAP_WARPED
 layout(location = 3) in float depth_ls;
 
 layout(constant_id = 0) const int kAnisotropic = 0;
 layout(set = 0, binding = 2) uniform sampler2D moments_map;
 
 // [Donnelly06] eq. 5, variance by eq. 4.
-float chebyshev_upper_bound(vec2 moments, float t) {
-    const float sigma2 = max(moments.y - moments.x * moments.x, frame.min_variance);
+float chebyshev_upper_bound(vec2 moments, float t, float min_variance) {
+    const float sigma2 = max(moments.y - moments.x * moments.x, min_variance);
     const float d = t - moments.x;
     const float bound = sigma2 / max(sigma2 + d * d, 1.17549435e-38);  // the smallest normal number
     return t <= moments.x ? 1.0 : bound;
 }
 
-// llvmpipe's anisotropic filter walks over every texel of a footprint however large, which near the plane of the light takes
-// minutes; half a map away from the map nothing is inside any more.
-vec2 bounded_uv(vec3 at) { return light.w > 0.0 ? clamp(at.xy, -0.5, 1.5) : vec2(-0.5); }
+#if MAP == MAP_WARPED
+#include "warp.glsl"
+
+// The tighter of both warps' bounds. [Lauritzen08] section 4.2. A warp's derivative makes of a deviation of depth one of the
+// warp: d/dd e^{c(2d - 1)} = 2c e^{c(2d - 1)}.
+float moments_visibility(vec4 moments) {
+    const vec2 t = warped_depth(depth_ls);
+    const vec2 deviation = frame.least_warped * t;
+    const vec2 min_variance = deviation * deviation;
+    return min(chebyshev_upper_bound(moments.xy, t.x, min_variance.x), chebyshev_upper_bound(moments.zw, t.y, min_variance.y));
+}
+#else
+float moments_visibility(vec4 moments) { return chebyshev_upper_bound(moments.xy, depth_ls, frame.min_variance); }
+#endif
+
+// llvmpipe's anisotropic filter walks over every texel of a footprint: minutes near the plane of the light, and in the scene
+// `car` two thirds of the frame for fragments that lie outside the map and are lit in any case. They read its border instead,
+// from a sixteenth of a map away, so that quads across the border keep their footprint.
+const float kMargin = 1.0 / 16.0;
+vec2 bounded_uv(vec3 at) { return light.w > 0.0 ? clamp(at.xy, -kMargin, 1.0 + kMargin) : vec2(-kMargin); }
 
 float map_visibility(vec3 at) {
-    const vec2 moments = texture(moments_map, kAnisotropic != 0 ? bounded_uv(at) : at.xy).xy;
-    return chebyshev_upper_bound(moments, depth_ls);
+    return moments_visibility(texture(moments_map, kAnisotropic != 0 ? bounded_uv(at) : at.xy));
 }
 #endif
 

@@ -1,0 +1,108 @@
+#include "techniques/savsm.h"
+
+#include "pipeline/program.h"
+
+#include <algorithm>
+
+namespace gnomon::techniques {
+
+namespace {
+
+constexpr std::array kFormats{Format::Rgba32Float, Format::Rg32Float, Format::Rg32Uint};
+constexpr std::array kFilters{MapFilter::Nearest};
+
+std::vector<Parameter> parameters() {
+    return filtered_map_parameters() +
+           std::vector{word("centre", DepthCentre::Half, "what depths are stored relative to: 1/2, or 0"),
+                       number("min-width", 1, 1, 4096, "least side of the rectangle that is averaged, texels"),
+                       number("min-variance", 1e-5, 0, 1, "least variance of depth, which is in [0, 1]")} +
+           bleed_parameters() +
+           std::vector{whole("split-bits", 0, 0, 23, "bits of rgba32f's coarse parts; 0: as many as add up exactly"),
+                       whole("fraction-bits", 0, 0, 24,
+                             "bits of rg32ui's fractions; 0: as many as never overflow, more limit the rectangle")};
+}
+
+/// The table that a user asks for.
+TableDesc table_desc(const TechniqueSettings& settings) {
+    return {.format = settings.format,
+            .width = settings.map_size,
+            .height = settings.map_size,
+            .centred = settings.parameters.word<DepthCentre>("centre") == DepthCentre::Half,
+            .split_bits = settings.parameters.whole("split-bits"),
+            .fraction_bits = settings.parameters.whole("fraction-bits")};
+}
+
+/// Moments are rendered, resolved and blurred as floats, whatever the table is made of.
+TechniqueSettings map_settings(TechniqueSettings settings) {
+    settings.format = Format::Rg32Float;
+    return settings;
+}
+
+SavsmReceiver make_receiver(const TechniqueSettings& settings, const SummedAreaTable& table) {
+    const ParameterValues& chosen = settings.parameters;
+    const TableDesc desc = table_desc(settings);
+    const float most = largest_side(desc);
+    return {.table = table.lookup(),
+            .moments = {.centre = desc.centred ? 0.5f : 0.0f},
+            .anisotropy = static_cast<float>(settings.anisotropy),
+            .least_side = std::min(chosen.number("min-width"), most),
+            .most_side = most,
+            .min_variance = chosen.number("min-variance"),
+            .bleed = bleed_reduction(chosen)};
+}
+
+class SavsmPasses final : public ShadowPasses {
+public:
+    SavsmPasses(Device& device, const TechniqueSettings& settings)
+        : map_(device, map_settings(settings)),
+          table_(device, table_desc(settings)),
+          metric_(settings.parameters.word<DepthMetric>("depth")),
+          receiver_(make_receiver(settings, table_)) {}
+
+    void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
+        static const CasterPrograms casters = make_caster_programs<CentredMoments>("savsm.cast", "savsm.cast-distance");
+        receiver_.scale = make_depth_scale(metric_, light);
+        const DepthCaster<CentredMoments> caster{.scale = receiver_.scale, .encoding = receiver_.moments};
+        const auto nothing = encoding_of_nothing(receiver_.moments);
+        map_.render(scene, light,
+                    {.programs = casters,
+                     .constants = constants_of(caster),
+                     .euclidean = caster.scale.euclidean != 0,
+                     .nothing = nothing},
+                    timer);
+        map_.filter(timer);
+        timer.pass("table", [&] { table_.build(map_.id()); });
+    }
+    [[nodiscard]] const Program& receiver_program() const override {
+        static const Program program = make_program<ReceiverVertex, SavsmReceiver>("savsm.receive");
+        return program;
+    }
+    std::span<const std::byte> receiver_constants(const Lighting& lighting) override {
+        receiver_.lighting = lighting;
+        return constants_of(receiver_);
+    }
+    [[nodiscard]] std::vector<TextureId> maps() const override { return {table_.id()}; }
+
+private:
+    FilteredMap map_;
+    SummedAreaTable table_;
+    DepthMetric metric_;
+    SavsmReceiver receiver_;
+};
+
+std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
+    return std::make_unique<SavsmPasses>(device, settings);
+}
+
+}  // namespace
+
+const Technique kSavsm{.name = "savsm",
+                       .summary = "variance shadow maps over summed-area tables; rgba32f splits sums in two, rg32ui is exact",
+                       .source = "[Lauritzen07] 8.5, [Crow84]",
+                       .formats = kFormats,
+                       .filters = kFilters,
+                       .parameters = parameters(),
+                       .default_anisotropy = 16,
+                       .make = make};
+
+}  // namespace gnomon::techniques
