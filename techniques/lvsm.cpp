@@ -234,6 +234,7 @@ private:
         const EncodeDepthMap<Encoding> pixel{.source = {depth_source_}, .encoding = encoding};
         const int slices = device_.texture(map_.id()).desc().layers;
         std::vector<TargetView> targets;
+        targets.reserve(static_cast<std::size_t>(slices));
         for (int slice = 0; slice < slices; ++slice) targets.emplace_back(map_.id(), 0, slice);
         full_screen_.run("warp layers", program, pixel, targets);
     }

@@ -84,6 +84,7 @@ MapLookup FilteredMap::lookup() const {
 void FilteredMap::draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
                        const LightTarget& target) const {
     std::vector<TargetView> colors;
+    colors.reserve(static_cast<std::size_t>(slices_));
     for (int slice = 0; slice < slices_; ++slice) {
         colors.emplace_back(target.color, 0, slice);
         device_.execute(ClearColor{colors.back(), content.nothing[static_cast<std::size_t>(slice)]});
