@@ -81,4 +81,7 @@ TEST_CASE("map statistics add up", "[studies]") {
     MapStatistics sum{.texels = 1, .saturated = 2, .infinite = 3, .nan = 4};
     sum += {.texels = 10, .saturated = 20, .infinite = 30, .nan = 40};
     CHECK(sum == MapStatistics{.texels = 11, .saturated = 22, .infinite = 33, .nan = 44});
+    CHECK(
+        worse({.texels = 4, .saturated = 2, .infinite = 3, .nan = 0}, {.texels = 4, .saturated = 1, .infinite = 5, .nan = 0}) ==
+        MapStatistics{.texels = 4, .saturated = 2, .infinite = 5, .nan = 0});
 }
