@@ -25,6 +25,11 @@ DepthLayers make_layers(std::span<const double> inner_splits, double overlap) {
         const double q = i + 1 == count ? 1.0 : inner_splits[i] + overlap;
         layers.begin[i] = static_cast<float>(p);
         layers.inverse[i] = static_cast<float>(1.0 / std::max(q - p, kThinnest));
+        if (i == 0) continue;
+        const double before = i == 1 ? 2 * overlap : inner_splits[i - 1] - inner_splits[i - 2];
+        const double behind = i + 1 == count ? 2 * overlap : inner_splits[i] - inner_splits[i - 1];
+        const double half_width = std::min({overlap, 0.5 * before, 0.5 * behind});
+        layers.fade[i] = static_cast<float>(0.5 / std::max(half_width, kThinnest));
     }
     return layers;
 }

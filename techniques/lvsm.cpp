@@ -259,6 +259,14 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     return std::make_unique<LvsmPasses<8>>(device, settings);
 }
 
+void settle(TechniqueSettings& settings) {
+    const ParameterValues& chosen = settings.parameters;
+    if (chosen.word<LayerPlacement>("placement") != LayerPlacement::Lloyd) return;
+    if (chosen.whole("latency") >= chosen.whole("frames"))
+        fail("--set latency={}: lvsm reads nothing back in {} frames; expected less", chosen.whole("latency"),
+             chosen.whole("frames"));
+}
+
 }  // namespace
 
 const Technique kLvsm{.name = "lvsm",
@@ -267,6 +275,7 @@ const Technique kLvsm{.name = "lvsm",
                       .formats = kFormats,
                       .filters = kFilters,
                       .parameters = parameters(),
+                      .settle = settle,
                       .make = make};
 
 }  // namespace gnomon::techniques

@@ -86,6 +86,12 @@ ParameterValues::ParameterValues(std::string_view technique, std::span<const Par
     }
 }
 
+void ParameterValues::settle(std::string_view name, double value) {
+    const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
+    GNOMON_CHECK(at != entries_.end());
+    at->value = value;
+}
+
 const ParameterValues::Entry& ParameterValues::find(std::string_view name) const {
     const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
     GNOMON_CHECK(at != entries_.end());
