@@ -109,8 +109,8 @@ struct HankelFactors {
     Real l32;
 };
 
-/// DEVIATION([Peters15], tests/techniques/peters15_msm.cpp): a diagonal that comes out below an ULP of 1, the most that the
-/// rounding of moments can hide in it, is that ULP. One that rounds to 0 or less would put a shadow's edge on the depth of the
+/// DEVIATION([Peters15], tests/techniques/peters15_msm.cpp): a diagonal that comes out below an ULP of 1 is that ULP, as the
+/// rounding of moments hides no less in it. One that rounds to 0 or less would put a shadow's edge on the depth of the
 /// receiver.
 template <class Real>
 HankelFactors<Real> hankel_factors(const PowerMoments<Real>& b) {
