@@ -14,7 +14,7 @@ std::vector<Parameter> parameters() {
            std::vector{word("bound", MomentBound::Hamburger,
                             "of all distributions with the moments, or of those with depths in [0, 1]"),
                        number("moment-bias", 0, 0, 1,
-                              "share of the moments of no depth in particular; 0 takes 3e-6 of rgba32f, 6e-5 of rgba16unorm, "
+                              "share of the moments of no depth in particular; 0 takes 3e-6 of rgba32f, 3e-5 of rgba16unorm, "
                               "5e-3 of rgba16f"),
                        number("depth-offset", 0, 0, 1, "taken off the depth of receivers, which is in [0, 1]")} +
            bleed_parameters();
@@ -38,7 +38,7 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
 }  // namespace
 
 float standard_moment_bias(Format format) {
-    if (format == Format::Rgba16Unorm) return 6e-5f;
+    if (format == Format::Rgba16Unorm) return 3e-5f;
     return format == Format::Rgba16Float ? 5e-3f : 3e-6f;
 }
 
