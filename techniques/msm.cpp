@@ -24,10 +24,9 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     static const CasterPrograms casters = make_caster_programs<MsmEncoding>("msm.cast", "msm.cast-distance");
     static const Program program = make_program<ReceiverVertex, MsmReceiver>("msm.receive");
     const ParameterValues& chosen = settings.parameters;
-    const float bias = chosen.number("moment-bias");
     const MsmEncoding encoding{.storage = {settings.format == Format::Rgba16Unorm ? 1 : 0}};
     const MsmReceiver receiver{.storage = encoding.storage,
-                               .moment_bias = bias > 0.0f ? bias : standard_moment_bias(settings.format),
+                               .moment_bias = chosen.number("moment-bias"),
                                .depth_offset = chosen.number("depth-offset"),
                                .within_unit = chosen.word<MomentBound>("bound") == MomentBound::Hausdorff ? 1 : 0,
                                .bleed = bleed_reduction(chosen)};
@@ -48,6 +47,12 @@ const Technique kMsm{.name = "msm",
                      .formats = kFormats,
                      .filters = kFilters,
                      .parameters = parameters(),
+                     .settle =
+                         [](TechniqueSettings& settings) {
+                             if (settings.parameters.number("moment-bias") == 0.0f)
+                                 settings.parameters.settle("moment-bias",
+                                                            static_cast<double>(standard_moment_bias(settings.format)));
+                         },
                      .make = make};
 
 }  // namespace gnomon::techniques
