@@ -12,7 +12,7 @@
 
 namespace gnomon::techniques {
 
-inline constexpr int kMaxLayers = 16;
+inline constexpr int kMaxDepthLayers = 16;
 
 /// 0 before c, 1 from there on: the perfect warp for a receiver at depth c. [Lauritzen08] eq. 4.1
 template <class Real>
@@ -28,12 +28,12 @@ Real layer_warp(const Real& depth, const Real& p, const Real& inverse) {
 
 /// The layers of a map, as constants of its shaders. Depths are in [0, 1].
 struct DepthLayers {
-    int count = 1;                               // 1 to kMaxLayers
-    float overlap = 0.0f;                        // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
-    std::array<float, kMaxLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
-    std::array<float, kMaxLayers> begin{};       // p_i
-    std::array<float, kMaxLayers> inverse{};     // 1 / (q_i - p_i)
-    std::array<float, kMaxLayers> fade{};        // [i]: how fast the transition at s_i goes, 1 / its whole width
+    int count = 1;                                    // 1 to kMaxDepthLayers
+    float overlap = 0.0f;                             // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
+    std::array<float, kMaxDepthLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
+    std::array<float, kMaxDepthLayers> begin{};       // p_i
+    std::array<float, kMaxDepthLayers> inverse{};     // 1 / (q_i - p_i)
+    std::array<float, kMaxDepthLayers> fade{};        // [i]: how fast the transition at s_i goes, 1 / its whole width
 
     static constexpr auto fields() {
         using D = DepthLayers;

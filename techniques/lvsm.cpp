@@ -42,7 +42,7 @@ constexpr double kUnorm16Noise = 1.5 / 65535;
 
 std::vector<Parameter> parameters() {
     return filtered_map_parameters() +
-           std::vector{whole("layers", 4, 1, kMaxLayers, "layers; two share a texel of four components"),
+           std::vector{whole("layers", 4, 1, kMaxDepthLayers, "layers; two share a texel of four components"),
                        word("placement", LayerPlacement::Uniform, "where depth is split: evenly, or at second occluders"),
                        number("overlap", 0.01, 0, 0.25, "how far a layer reaches past its splits, depth in [0, 1]"),
                        word("transition", Switch::Off, "blend neighbouring layers over the overlap"),

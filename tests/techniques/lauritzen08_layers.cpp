@@ -258,7 +258,7 @@ TEST_CASE("[Lauritzen08] 4.1.3: a transition runs from one layer into the next w
     // Layers of any width, narrower than two overlaps too, each with a visibility of its own; depth in steps of 2^-16.
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         oracle::Random random(seed);
-        const int count = random.integer(2, kMaxLayers);
+        const int count = random.integer(2, kMaxDepthLayers);
         std::vector<double> splits;
         for (int i = 1; i < count; ++i) splits.push_back((i + 0.8 * static_cast<double>(random.unit()) - 0.4) / count);
         const DepthLayers layers = make_layers(splits, 0.001 + 0.249 * static_cast<double>(random.unit()));
