@@ -31,20 +31,31 @@ void count(MapStatistics& statistics, const std::vector<std::byte>& bytes, std::
 
 }  // namespace
 
+MapStatistics& MapStatistics::operator+=(const MapStatistics& other) {
+    texels += other.texels;
+    saturated += other.saturated;
+    infinite += other.infinite;
+    nan += other.nan;
+    return *this;
+}
+
+MapStatistics map_statistics(const Texture& texture) {
+    MapStatistics statistics;
+    const FormatInfo& format = texture.info();
+    const auto components = static_cast<std::size_t>(format.components);
+    for (int slice = 0; slice < texture.desc().layers; ++slice) {
+        statistics.texels += static_cast<std::uint64_t>(texture.width(0)) * static_cast<std::uint64_t>(texture.height(0));
+        if (format.type == ComponentType::Float16)
+            count<std::uint16_t>(statistics, texture.level_bytes(0, slice), components, 0x7bff);
+        if (format.type == ComponentType::Float32)
+            count<std::uint32_t>(statistics, texture.level_bytes(0, slice), components, 0x7f7fffff);
+    }
+    return statistics;
+}
+
 MapStatistics map_statistics(const Device& device, std::span<const TextureId> maps) {
     MapStatistics statistics;
-    for (const TextureId id : maps) {
-        const Texture& texture = device.texture(id);
-        const FormatInfo& format = texture.info();
-        const auto components = static_cast<std::size_t>(format.components);
-        for (int slice = 0; slice < texture.desc().layers; ++slice) {
-            statistics.texels += static_cast<std::uint64_t>(texture.width(0)) * static_cast<std::uint64_t>(texture.height(0));
-            if (format.type == ComponentType::Float16)
-                count<std::uint16_t>(statistics, texture.level_bytes(0, slice), components, 0x7bff);
-            if (format.type == ComponentType::Float32)
-                count<std::uint32_t>(statistics, texture.level_bytes(0, slice), components, 0x7f7fffff);
-        }
-    }
+    for (const TextureId id : maps) statistics += map_statistics(device.texture(id));
     return statistics;
 }
 

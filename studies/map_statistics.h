@@ -21,11 +21,13 @@ struct MapStatistics {
         return std::tuple{Field{"texels", &M::texels}, Field{"saturated", &M::saturated}, Field{"infinite", &M::infinite},
                           Field{"nan", &M::nan}};
     }
+    MapStatistics& operator+=(const MapStatistics& other);
     bool operator==(const MapStatistics&) const = default;
 };
 
-/// Of all maps of a technique. Only formats of 16- and 32-bit floats can hold anything but plain numbers; of others just the
-/// texels are counted.
+/// Only formats of 16- and 32-bit floats can hold anything but plain numbers; of others just the texels are counted.
+MapStatistics map_statistics(const Texture& texture);
+/// Of all maps of a technique.
 MapStatistics map_statistics(const Device& device, std::span<const TextureId> maps);
 
 /// The larger of each count.

@@ -3,7 +3,7 @@
 #include "studies/experiment.h"
 
 #include <algorithm>
-#include <functional>
+#include <iterator>
 #include <system_error>
 
 namespace gnomon::studies {
@@ -12,37 +12,49 @@ namespace {
 
 using techniques::TechniqueRequest;
 
-/// One choice that a technique may not offer: puts it into a request that lacks it.
-struct Choice {
-    std::function<void(TechniqueRequest&)> add;
-};
-
-/// Splits a request into what goes for every technique and the choices that may not.
-std::pair<TechniqueRequest, std::vector<Choice>> split(const TechniqueRequest& wanted) {
-    TechniqueRequest always = wanted;
-    always.format.reset();
-    always.filter.reset();
-    always.anisotropy.reset();
-    always.set.clear();
-    std::vector<Choice> choices;
-    if (wanted.format) choices.push_back({[format = wanted.format](TechniqueRequest& r) { r.format = format; }});
-    if (wanted.filter) choices.push_back({[filter = wanted.filter](TechniqueRequest& r) { r.filter = filter; }});
-    if (wanted.anisotropy) choices.push_back({[limit = wanted.anisotropy](TechniqueRequest& r) { r.anisotropy = limit; }});
-    for (const auto& text : wanted.set) choices.push_back({[text](TechniqueRequest& r) { r.set.push_back(text); }});
-    return {always, choices};
+bool has_parameter(const techniques::Technique& technique, std::string_view name) {
+    return std::ranges::find(technique.parameters, name, &techniques::Parameter::name) != technique.parameters.end();
 }
+
+/// The parameters that a technique has, of those that were set; a value that it does not take is an error when it resolves
+/// them.
+techniques::ParameterTexts set_of(const techniques::Technique& technique, const techniques::ParameterTexts& set) {
+    techniques::ParameterTexts own;
+    std::ranges::copy_if(set, std::back_inserter(own), [&](const auto& text) { return has_parameter(technique, text.first); });
+    return own;
+}
+
+/// Throws Error for a parameter that no technique has.
+void check_set(const techniques::ParameterTexts& set) {
+    for (const auto& [name, text] : set)
+        if (std::ranges::none_of(techniques::all_techniques(),
+                                 [&](const techniques::Technique& technique) { return has_parameter(technique, name); }))
+            fail("--set {}={}: no technique has a parameter of that name (gnomon list techniques shows them)", name, text);
+}
+
+/// One choice that a technique may not offer: takes it over into a request that lacks it.
+using TakeChoice = void (*)(const TechniqueRequest& from, TechniqueRequest& to);
 
 /// All techniques; a choice that one of them does not offer leaves its default there.
 std::vector<PlannedRun> plan_all(const TechniqueRequest& wanted, const Profile& profile) {
-    const auto [always, choices] = split(wanted);
-    std::vector<std::string> refusals(choices.size());  // the first one
-    std::vector<bool> taken(choices.size(), false);
+    constexpr std::array<TakeChoice, 3> kChoices{
+        [](const TechniqueRequest& from, TechniqueRequest& to) { to.format = from.format; },
+        [](const TechniqueRequest& from, TechniqueRequest& to) { to.filter = from.filter; },
+        [](const TechniqueRequest& from, TechniqueRequest& to) { to.anisotropy = from.anisotropy; }};
+    check_set(wanted.set);
+    std::array<std::string, kChoices.size()> refusals;  // the first one
+    std::array<bool, kChoices.size()> taken{};
     std::vector<PlannedRun> runs;
     for (const techniques::Technique& technique : techniques::all_techniques()) {
-        TechniqueRequest request = always;
-        for (std::size_t i = 0; i < choices.size(); ++i) {
+        TechniqueRequest request = wanted;
+        request.format.reset();
+        request.filter.reset();
+        request.anisotropy.reset();
+        request.set = set_of(technique, wanted.set);
+        (void)techniques::resolve_settings(technique, request, profile);
+        for (std::size_t i = 0; i < kChoices.size(); ++i) {
             TechniqueRequest more = request;
-            choices[i].add(more);
+            kChoices[i](wanted, more);
             try {
                 (void)techniques::resolve_settings(technique, more, profile);
                 request = more;
@@ -53,7 +65,7 @@ std::vector<PlannedRun> plan_all(const TechniqueRequest& wanted, const Profile& 
         }
         runs.push_back({technique, techniques::resolve_settings(technique, request, profile)});
     }
-    for (std::size_t i = 0; i < choices.size(); ++i)
+    for (std::size_t i = 0; i < kChoices.size(); ++i)
         if (!taken[i]) throw Error(refusals[i]);
     return runs;
 }

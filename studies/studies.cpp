@@ -1,8 +1,6 @@
 // The table of studies.
 #include "studies/study.h"
 
-#include <algorithm>
-
 namespace gnomon::studies {
 
 namespace {
@@ -29,24 +27,27 @@ Study equal_storage() {
         study.cases.push_back(in_group(fmt::format("{} bytes", bytes), std::move(label), std::move(technique),
                                        {.map_size = kMap, .format = format, .set = std::move(set)}));
     };
-    add(4, "vsm rg16unorm", "vsm", Format::Rg16Unorm);
-    add(4, "esm r32f", "esm", Format::R32Float);
-    add(4, "evsm2 rg16f", "evsm2", Format::Rg16Float);
-    add(8, "vsm rg32f", "vsm", Format::Rg32Float);
-    add(8, "evsm2 rg32f", "evsm2", Format::Rg32Float);
-    add(8, "evsm4 rgba16f", "evsm4", Format::Rgba16Float);
-    add(8, "msm rgba16unorm", "msm", Format::Rgba16Unorm);
-    add(16, "evsm4 rgba32f", "evsm4", Format::Rgba32Float);
-    add(16, "msm rgba32f", "msm", Format::Rgba32Float);
+    struct Row {
+        int bytes;
+        const char* technique;
+        Format format;
+    };
+    constexpr std::array kRows{
+        Row{4, "vsm", Format::Rg16Unorm},   Row{4, "esm", Format::R32Float},       Row{4, "evsm2", Format::Rg16Float},
+        Row{8, "vsm", Format::Rg32Float},   Row{8, "evsm2", Format::Rg32Float},    Row{8, "evsm4", Format::Rgba16Float},
+        Row{8, "msm", Format::Rgba16Unorm}, Row{16, "evsm4", Format::Rgba32Float}, Row{16, "msm", Format::Rgba32Float}};
     for (const int layers : {1, 2, 4, 8}) {
-        const int bytes = 4 * layers;
-        add(bytes, fmt::format("csm {} terms", 2 * layers), "csm", Format::Rgba8Unorm, {{"terms", std::to_string(2 * layers)}});
-        add(bytes, fmt::format("lvsm {} uniform", layers), "lvsm", Format::Rgba16Unorm, {{"layers", std::to_string(layers)}});
+        const int bytes = 4 * layers;  // two components of 16 bits per layer, two of 8 bits per term
+        for (const Row& row : kRows)
+            if (row.bytes == bytes)
+                add(bytes, fmt::format("{} {}", row.technique, name_of(row.format)), row.technique, row.format);
+        add(bytes, fmt::format("csm {} terms", 2 * layers), "csm", Format::Rgba8Unorm,
+            {{"terms", std::to_string(2 * layers)}, {"attenuation", layers <= 2 ? "0" : "0.5"}});  // as each leaks least
+        const std::string count = std::to_string(layers);
+        add(bytes, "lvsm " + count + " uniform", "lvsm", Format::Rgba16Unorm, {{"layers", count}});
         if (layers > 1)
-            add(bytes, fmt::format("lvsm {} lloyd", layers), "lvsm", Format::Rgba16Unorm,
-                {{"layers", std::to_string(layers)}, {"placement", "lloyd"}});
+            add(bytes, "lvsm " + count + " lloyd", "lvsm", Format::Rgba16Unorm, {{"layers", count}, {"placement", "lloyd"}});
     }
-    std::ranges::stable_sort(study.cases, {}, [](const StudyCase& c) { return std::stoi(c.group); });
     return study;
 }
 

@@ -42,6 +42,13 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     return make_with<8>(device, settings);
 }
 
+float standard_range(int terms) { return 1.0f - 0.5f / static_cast<float>(terms); }
+
+void settle(TechniqueSettings& settings) {
+    ParameterValues& chosen = settings.parameters;
+    if (chosen.number("range") == 0.0f) chosen.settle("range", static_cast<double>(standard_range(chosen.whole("terms"))));
+}
+
 }  // namespace
 
 CsmSetup csm_setup(const ParameterValues& chosen) {
@@ -51,7 +58,7 @@ CsmSetup csm_setup(const ParameterValues& chosen) {
 
     // The cut series first gets where it wants 1/(2M) from its step. Half a period on stands the next one, the other way round.
     r.range = chosen.number("range");
-    if (r.range == 0.0f) r.range = 1.0f - 0.5f / static_cast<float>(terms);
+    if (r.range == 0.0f) r.range = standard_range(terms);
 
     // A surface in its own light comes out lit: 2 without an offset.
     r.offset = chosen.number("offset");
@@ -66,6 +73,7 @@ const Technique kCsm{.name = "csm",
                      .formats = kFormats,
                      .filters = kFilters,
                      .parameters = parameters(),
+                     .settle = settle,
                      .make = make};
 
 }  // namespace gnomon::techniques

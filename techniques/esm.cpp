@@ -12,8 +12,7 @@ constexpr std::array kFilters{MapFilter::Trilinear, MapFilter::Bilinear, MapFilt
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
     static const CasterPrograms casters = make_caster_programs<EsmEncoding>("esm.cast", "esm.cast-distance");
     static const Program program = make_program<ReceiverVertex, EsmReceiver>("esm.receive");
-    const float c = chosen_exponent(settings, "exponent", 1);
-    const EsmEncoding encoding{.exponent2 = positive_warp(c).exponent2};
+    const EsmEncoding encoding{.exponent2 = positive_warp(settings.parameters.number("exponent")).exponent2};
     const EsmReceiver receiver{.warp = encoding, .bleed = bleed_reduction(settings.parameters)};
     return std::make_unique<FilteredMapPasses<EsmEncoding, EsmReceiver>>(device, settings, casters, program, encoding,
                                                                          receiver);

@@ -24,8 +24,8 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     static const CasterPrograms casters = make_caster_programs<EvsmEncoding>("evsm.cast", "evsm.cast-distance");
     static const Program program = make_program<ReceiverVertex, EvsmReceiver>("evsm.receive");
     const ParameterValues& chosen = settings.parameters;
-    const EvsmEncoding encoding{.positive = positive_warp(chosen_exponent(settings, "positive", 2)),
-                                .negative = negative_warp(warps == 2 ? chosen_exponent(settings, "negative", 2) : 0.0f),
+    const EvsmEncoding encoding{.positive = positive_warp(chosen.number("positive")),
+                                .negative = negative_warp(warps == 2 ? chosen.number("negative") : 0.0f),
                                 .warps = warps};
     const EvsmReceiver receiver{
         .warp = encoding, .min_variance = chosen.number("min-variance"), .bleed = bleed_reduction(chosen)};
@@ -41,6 +41,7 @@ const Technique kEvsm2{.name = "evsm2",
                        .formats = kFormats2,
                        .filters = kFilters,
                        .parameters = filtered_map_parameters() + std::vector{kPositive} + shared_parameters(),
+                       .settle = [](TechniqueSettings& settings) { settle_exponent(settings, "positive", 2); },
                        .make = [](Device& device, const TechniqueSettings& settings) { return make(device, settings, 1); }};
 
 const Technique kEvsm4{.name = "evsm4",
@@ -49,6 +50,11 @@ const Technique kEvsm4{.name = "evsm4",
                        .formats = kFormats4,
                        .filters = kFilters,
                        .parameters = filtered_map_parameters() + std::vector{kPositive, kNegative} + shared_parameters(),
+                       .settle =
+                           [](TechniqueSettings& settings) {
+                               settle_exponent(settings, "positive", 2);
+                               settle_exponent(settings, "negative", 2);
+                           },
                        .make = [](Device& device, const TechniqueSettings& settings) { return make(device, settings, 2); }};
 
 }  // namespace gnomon::techniques

@@ -12,7 +12,7 @@
 
 namespace gnomon::techniques {
 
-inline constexpr int kMaxLayers = 16;
+inline constexpr int kMaxDepthLayers = 16;
 
 /// 0 before c, 1 from there on: the perfect warp for a receiver at depth c. [Lauritzen08] eq. 4.1
 template <class Real>
@@ -28,16 +28,17 @@ Real layer_warp(const Real& depth, const Real& p, const Real& inverse) {
 
 /// The layers of a map, as constants of its shaders. Depths are in [0, 1].
 struct DepthLayers {
-    int count = 1;                               // 1 to kMaxLayers
-    float overlap = 0.0f;                        // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
-    std::array<float, kMaxLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
-    std::array<float, kMaxLayers> begin{};       // p_i
-    std::array<float, kMaxLayers> inverse{};     // 1 / (q_i - p_i)
+    int count = 1;                                    // 1 to kMaxDepthLayers
+    float overlap = 0.0f;                             // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
+    std::array<float, kMaxDepthLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
+    std::array<float, kMaxDepthLayers> begin{};       // p_i
+    std::array<float, kMaxDepthLayers> inverse{};     // 1 / (q_i - p_i)
+    std::array<float, kMaxDepthLayers> fade{};        // [i]: how fast the transition at s_i goes, 1 / its whole width
 
     static constexpr auto fields() {
         using D = DepthLayers;
         return std::tuple{Field{"count", &D::count}, Field{"overlap", &D::overlap}, Field{"splits", &D::splits},
-                          Field{"begin", &D::begin}, Field{"inverse", &D::inverse}};
+                          Field{"begin", &D::begin}, Field{"inverse", &D::inverse}, Field{"fade", &D::fade}};
     }
 
     /// The warped depth in layer `i`, the same for all lanes.
@@ -48,7 +49,35 @@ struct DepthLayers {
     }
 };
 
-/// Layers between the inner splits s_1 ... s_{N-1}, ascending in [0, 1], each widened by `overlap` where it has a neighbour.
+/// The layer that holds a depth, its neighbour where a transition takes both, and the neighbour's share: a half at the split, 0
+/// where the transition ends. Visibility v[layer] + (v[neighbour] - v[layer]) share is continuous in depth.
+template <class Real>
+struct LayerChoice {
+    Real layer;
+    Real neighbour;  // the layer itself where there is no transition
+    Real share;      // [0, 1/2]
+};
+template <class Real>
+LayerChoice<Real> choose_layers(const DepthLayers& layers, const Real& depth) {
+    LayerChoice<Real> choice{Real(0.0f), Real(0.0f), Real(0.0f)};
+    for (int i = 1; i < layers.count; ++i) {
+        const auto split = static_cast<std::size_t>(i);
+        const Real behind = depth - Real(layers.splits[split]);
+        const Mask is_behind = behind >= Real(0.0f);
+        choice.layer += select(is_behind, Real(1.0f), Real(0.0f));
+        const Real share = Real(0.5f) - abs(behind) * Real(layers.fade[split]);
+        const Mask near = share > choice.share;  // of one split at most: transitions do not meet
+        choice.share = select(near, share, choice.share);
+        choice.neighbour =
+            select(near, select(is_behind, Real(static_cast<float>(i - 1)), Real(static_cast<float>(i))), choice.neighbour);
+    }
+    choice.neighbour = select(choice.share > Real(0.0f), choice.neighbour, choice.layer);
+    return choice;
+}
+
+/// Layers between the inner splits s_1 ... s_{N-1}, ascending in [0, 1], each widened by `overlap` where it has a neighbour. A
+/// transition takes the width of the overlap, or what its neighbours leave of it: each ends before the middle of a layer begins
+/// another.
 DepthLayers make_layers(std::span<const double> inner_splits, double overlap);
 
 /// Inner splits of `count` layers of one size.

@@ -13,8 +13,8 @@ namespace {
 struct GatherClusters {
     TextureId moments = TextureId::None;
     Sampler sampler{};
-    int count = 1;                           // splits
-    std::array<float, kMaxLayers> splits{};  // ascending
+    int count = 1;                                // splits
+    std::array<float, kMaxDepthLayers> splits{};  // ascending
     int first = 0;
     int second = 0;
     float least_weight = 0.0f;

@@ -42,7 +42,7 @@ constexpr double kUnorm16Noise = 1.5 / 65535;
 
 std::vector<Parameter> parameters() {
     return filtered_map_parameters() +
-           std::vector{whole("layers", 4, 1, kMaxLayers, "layers; two share a texel of four components"),
+           std::vector{whole("layers", 4, 1, kMaxDepthLayers, "layers; two share a texel of four components"),
                        word("placement", LayerPlacement::Uniform, "where depth is split: evenly, or at second occluders"),
                        number("overlap", 0.01, 0, 0.25, "how far a layer reaches past its splits, depth in [0, 1]"),
                        word("transition", Switch::Off, "blend neighbouring layers over the overlap"),
@@ -234,6 +234,7 @@ private:
         const EncodeDepthMap<Encoding> pixel{.source = {depth_source_}, .encoding = encoding};
         const int slices = device_.texture(map_.id()).desc().layers;
         std::vector<TargetView> targets;
+        targets.reserve(static_cast<std::size_t>(slices));
         for (int slice = 0; slice < slices; ++slice) targets.emplace_back(map_.id(), 0, slice);
         full_screen_.run("warp layers", program, pixel, targets);
     }
@@ -258,6 +259,14 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     return std::make_unique<LvsmPasses<8>>(device, settings);
 }
 
+void settle(TechniqueSettings& settings) {
+    const ParameterValues& chosen = settings.parameters;
+    if (chosen.word<LayerPlacement>("placement") != LayerPlacement::Lloyd) return;
+    if (chosen.whole("latency") >= chosen.whole("frames"))
+        fail("--set latency={}: lvsm reads nothing back in {} frames; expected less", chosen.whole("latency"),
+             chosen.whole("frames"));
+}
+
 }  // namespace
 
 const Technique kLvsm{.name = "lvsm",
@@ -266,6 +275,7 @@ const Technique kLvsm{.name = "lvsm",
                       .formats = kFormats,
                       .filters = kFilters,
                       .parameters = parameters(),
+                      .settle = settle,
                       .make = make};
 
 }  // namespace gnomon::techniques

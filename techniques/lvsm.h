@@ -49,22 +49,13 @@ struct LvsmReceiver {
         using Real = typename F::Real;
         const auto at = map_position(f);
         const Real depth = receiver_depth(f, at.depth, scale);
-        const Real layer = layer_of(depth);
-        Real bound = bound_in(depth, layer, map.sample_slice(f, at.uv, floor(layer * Real(0.5f))));
-        if (blends != 0) bound = blend_near_split(f, at.uv, depth, layer, bound);
+        const LayerChoice<Real> chosen = choose_layers(layers, depth);
+        Real bound = bound_in(depth, chosen.layer, map.sample_slice(f, at.uv, floor(chosen.layer * Real(0.5f))));
+        if (blends != 0) bound = blended(f, at.uv, depth, chosen, bound);
         return shade(f, lighting, at.inside, bleed(bound));
     }
 
 private:
-    /// How many inner splits lie at or before a depth.
-    template <class Real>
-    [[nodiscard]] Real layer_of(const Real& depth) const {
-        Real layer(0.0f);
-        for (std::size_t i = 1; i < static_cast<std::size_t>(layers.count); ++i)
-            layer += select(depth >= Real(layers.splits[i]), Real(1.0f), Real(0.0f));
-        return layer;
-    }
-
     /// The bound of a layer from the texel of its slice.
     template <class Real>
     [[nodiscard]] Real bound_in(const Real& depth, const Real& layer, const Vec4<Real>& texel) const {
@@ -82,24 +73,15 @@ private:
 
     /// Within the overlap around a split both layers hold the receiver: from one to the other, linear in depth.
     template <class F, class Real = typename F::Real>
-    Real blend_near_split(const F& f, const Vec2<Real>& uv, const Real& depth, const Real& layer, const Real& bound) const {
-        // The other layer, and its share: a half at the split, nothing at the end of the overlap.
-        Real other = layer;
-        Real share(0.0f);
-        for (int i = 1; i < layers.count; ++i) {
-            const Real behind = depth - Real(layers.splits[static_cast<std::size_t>(i)]);
-            const Real weight = Real(0.5f) - abs(behind) * Real(0.5f / layers.overlap);
-            const Mask near = weight > share;
-            share = select(near, weight, share);
-            other =
-                select(near, select(behind >= Real(0.0f), Real(static_cast<float>(i - 1)), Real(static_cast<float>(i))), other);
-        }
+    Real blended(const F& f, const Vec2<Real>& uv, const Real& depth, const LayerChoice<Real>& chosen,
+                 const Real& bound) const {
         Real result = bound;
         const Gradients<Real> gradients{{f.ddx(uv.x), f.ddx(uv.y)}, {f.ddy(uv.x), f.ddy(uv.y)}};
-        const Mask blended = share > Real(0.0f);
-        f.branch(blended, [&] {
-            const Real beyond = bound_in(depth, other, map.sample_slice(f, uv, floor(other * Real(0.5f)), gradients));
-            result = select(blended, bound + (beyond - bound) * share, bound);
+        const Mask takes_both = chosen.share > Real(0.0f);
+        f.branch(takes_both, [&] {
+            const Vec4<Real> texel = map.sample_slice(f, uv, floor(chosen.neighbour * Real(0.5f)), gradients);
+            const Real beyond = bound_in(depth, chosen.neighbour, texel);
+            result = select(takes_both, bound + (beyond - bound) * chosen.share, bound);
         });
         return result;
     }

@@ -14,7 +14,7 @@ std::vector<Parameter> parameters() {
            std::vector{word("bound", MomentBound::Hamburger,
                             "of all distributions with the moments, or of those with depths in [0, 1]"),
                        number("moment-bias", 0, 0, 1,
-                              "share of the moments of no depth in particular; 0 takes 3e-6 of rgba32f, 6e-5 of rgba16unorm, "
+                              "share of the moments of no depth in particular; 0 takes 3e-6 of rgba32f, 3e-5 of rgba16unorm, "
                               "5e-3 of rgba16f"),
                        number("depth-offset", 0, 0, 1, "taken off the depth of receivers, which is in [0, 1]")} +
            bleed_parameters();
@@ -24,10 +24,9 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
     static const CasterPrograms casters = make_caster_programs<MsmEncoding>("msm.cast", "msm.cast-distance");
     static const Program program = make_program<ReceiverVertex, MsmReceiver>("msm.receive");
     const ParameterValues& chosen = settings.parameters;
-    const float bias = chosen.number("moment-bias");
     const MsmEncoding encoding{.storage = {settings.format == Format::Rgba16Unorm ? 1 : 0}};
     const MsmReceiver receiver{.storage = encoding.storage,
-                               .moment_bias = bias > 0.0f ? bias : standard_moment_bias(settings.format),
+                               .moment_bias = chosen.number("moment-bias"),
                                .depth_offset = chosen.number("depth-offset"),
                                .within_unit = chosen.word<MomentBound>("bound") == MomentBound::Hausdorff ? 1 : 0,
                                .bleed = bleed_reduction(chosen)};
@@ -38,7 +37,7 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
 }  // namespace
 
 float standard_moment_bias(Format format) {
-    if (format == Format::Rgba16Unorm) return 6e-5f;
+    if (format == Format::Rgba16Unorm) return 3e-5f;
     return format == Format::Rgba16Float ? 5e-3f : 3e-6f;
 }
 
@@ -48,6 +47,12 @@ const Technique kMsm{.name = "msm",
                      .formats = kFormats,
                      .filters = kFilters,
                      .parameters = parameters(),
+                     .settle =
+                         [](TechniqueSettings& settings) {
+                             if (settings.parameters.number("moment-bias") == 0.0f)
+                                 settings.parameters.settle("moment-bias",
+                                                            static_cast<double>(standard_moment_bias(settings.format)));
+                         },
                      .make = make};
 
 }  // namespace gnomon::techniques

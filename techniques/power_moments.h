@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace gnomon::techniques {
@@ -107,17 +108,22 @@ struct HankelFactors {
     Real d33;
     Real l32;
 };
+
+/// DEVIATION([Peters15], tests/techniques/peters15_msm.cpp): a diagonal that comes out below an ULP of 1 is that ULP, as the
+/// rounding of moments hides no less in it. One that rounds to 0 or less would put a shadow's edge on the depth of the
+/// receiver.
 template <class Real>
 HankelFactors<Real> hankel_factors(const PowerMoments<Real>& b) {
-    // One depth has no variance: 2^-60, far below what rounding makes of it, leaves 0/x where 0/0 would be.
-    const Real d22 = max(b.second - b.first * b.first, Real(0x1p-60f));
+    const Real least(std::numeric_limits<typename Real::Scalar>::epsilon());
+    const Real d22 = max(b.second - b.first * b.first, least);
     const Real l32_d22 = b.third - b.first * b.second;
     const Real l32 = l32_d22 / d22;
-    return {d22, (b.fourth - b.second * b.second) - l32_d22 * l32, l32};
+    const Real d33 = max((b.fourth - b.second * b.second) - l32_d22 * l32, least);
+    return {d22, d33, l32};
 }
 
-/// d33 c, where B c = (1, t, t^2). That factor does not move the roots of c1 + c2 x + c3 x^2, and without it nothing is divided
-/// by d33, which is 0 for up to two depths. [Peters15] 4.1
+/// d33 c, where B c = (1, t, t^2): the factor does not move the roots of c1 + c2 x + c3 x^2, and it keeps all numbers small.
+/// [Peters15] 4.1
 template <class Real>
 Vec3<Real> solve_hankel(const PowerMoments<Real>& b, const HankelFactors<Real>& hankel, const Real& t) {
     // L y = (1, t, t^2).
@@ -133,17 +139,19 @@ struct Roots {
     Real lower, upper;
 };
 
-/// Of c1 + c2 x + c3 x^2, where they are real. By the sum that does not cancel, [Higham02] 1.8: a receiver at a depth of the
-/// map makes c3 nearly 0 and the other root huge, and the usual formula loses the one that counts. A root at infinity (c3 = 0)
-/// comes back as 2^60 or -2^60, and both together stand for 0/0.
+/// Of c1 + c2 x + c3 x^2; a negative discriminant counts as 0, and a root at infinity comes back as 2^60 or -2^60.
+/// DEVIATION([Peters15], tests/techniques/peters15_msm.cpp): by the sum that does not cancel, [Higham02] 1.8. A receiver at a
+/// depth of the map makes c3 nearly 0 and one root huge, and the usual formula, -p/2 +- sqrt(p^2/4 - q), then loses the other,
+/// which counts.
 template <class Real>
 Roots<Real> quadratic_roots(const Vec3<Real>& c) {
     const Real zero(0.0f);
+    const Real far(0x1p60f);
     const Real root = sqrt(max(c.y * c.y - Real(4.0f) * (c.z * c.x), zero));
     const Real q = Real(-0.5f) * (c.y + select(c.y < zero, zero - root, root));
     const Real a = q / c.z;
     const Real b = c.x / q;
-    return {max(min(a, b), Real(-0x1p60f)), min(max(a, b), Real(0x1p60f))};
+    return {clamp(min(a, b), zero - far, far), clamp(max(a, b), zero - far, far)};
 }
 
 /// Share of the depth p in a distribution over the three depths p, q and r: E((x - q) (x - r)) / ((p - q) (p - r)).

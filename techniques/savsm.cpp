@@ -51,6 +51,15 @@ SavsmReceiver make_receiver(const TechniqueSettings& settings, const SummedAreaT
             .bleed = bleed_reduction(chosen)};
 }
 
+/// The bits that "0" stands for; those of another table stay 0.
+void settle(TechniqueSettings& settings) {
+    const TableDesc desc = table_desc(settings);
+    if (settings.format == Format::Rgba32Float && desc.split_bits == 0)
+        settings.parameters.settle("split-bits", exact_split_bits(desc));
+    if (settings.format == Format::Rg32Uint && desc.fraction_bits == 0)
+        settings.parameters.settle("fraction-bits", exact_fraction_bits(desc));
+}
+
 class SavsmPasses final : public ShadowPasses {
 public:
     SavsmPasses(Device& device, const TechniqueSettings& settings)
@@ -103,6 +112,7 @@ const Technique kSavsm{.name = "savsm",
                        .filters = kFilters,
                        .parameters = parameters(),
                        .default_anisotropy = 16,
+                       .settle = settle,
                        .make = make};
 
 }  // namespace gnomon::techniques

@@ -52,6 +52,9 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
         return !in_unit || info.is_depth || filters_format(info, profile);
     };
     if (is_possible(wanted)) return wanted;
+    if (request.anisotropy.value_or(1) > 1)
+        fail("--aniso {}: profile {} does not filter {}; expected another --format", *request.anisotropy, profile.name,
+             info.name);
     if (request.filter)
         fail("--filter {}: profile {} does not filter {}; expected shader-bilinear, nearest, or another --format",
              name_of(wanted), profile.name, info.name);
@@ -91,14 +94,16 @@ TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRe
     if (anisotropy < 1 || anisotropy > 16) fail("--aniso {}: expected 1 to 16", anisotropy);
     if (anisotropy > 1 && filter == MapFilter::ShaderBilinear)
         fail("--aniso {}: {} is one sample in the shader; expected 1", anisotropy, name_of(filter));
-    return {.map_size = request.map_size,
-            .map_samples = request.map_samples,
-            .format = format,
-            .filter = filter,
-            .anisotropy = anisotropy,
-            .depth_bias = request.depth_bias.value_or(technique.default_depth_bias),
-            .slope_bias = request.slope_bias.value_or(technique.default_slope_bias),
-            .parameters = ParameterValues(technique.name, technique.parameters, request.set)};
+    TechniqueSettings settings{.map_size = request.map_size,
+                               .map_samples = request.map_samples,
+                               .format = format,
+                               .filter = filter,
+                               .anisotropy = anisotropy,
+                               .depth_bias = request.depth_bias.value_or(technique.default_depth_bias),
+                               .slope_bias = request.slope_bias.value_or(technique.default_slope_bias),
+                               .parameters = ParameterValues(technique.name, technique.parameters, request.set)};
+    if (technique.settle != nullptr) technique.settle(settings);
+    return settings;
 }
 
 double storage_per_texel(const Technique& technique, const TechniqueSettings& settings) {

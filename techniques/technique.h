@@ -90,6 +90,9 @@ struct Technique {
     int default_anisotropy = 1;
     int default_depth_bias = 0;
     float default_slope_bias = 0.0f;
+    /// What a parameter comes to once everything else is known, as limits of the format and values that stand for "by format";
+    /// reports show what it leaves. Throws Error for parameters that do not go together. Null: nothing.
+    void (*settle)(TechniqueSettings& settings) = nullptr;
     std::unique_ptr<ShadowPasses> (*make)(Device& device, const TechniqueSettings& settings) = nullptr;
 };
 

@@ -10,6 +10,7 @@
 #include "terminal.h"
 #include "traces/command_log.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <limits>
@@ -114,6 +115,8 @@ techniques::ParameterTexts parse_set(const std::vector<std::string>& texts) {
         const std::size_t equals = text.find('=');
         if (equals == 0 || equals == std::string::npos) fail("--set {}: expected NAME=VALUE", text);
         set.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+        if (std::ranges::count(set, set.back().first, &std::pair<std::string, std::string>::first) > 1)
+            fail("--set {}: {} is set twice", text, set.back().first);
     }
     return set;
 }

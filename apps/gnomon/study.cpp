@@ -61,7 +61,7 @@ void run(const StudyCommand& command) {
             rows.push_back(row);
             line.print(studies::study_line(row));
         });
-    } catch (const Stopped&) {
+    } catch (...) {  // stopped, or a case failed: what is finished stays
         if (!rows.empty()) commit(folder, study, options, rows);
         throw;
     }

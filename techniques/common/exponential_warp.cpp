@@ -19,17 +19,17 @@ double exponent_limit(const FormatInfo& format, int power, int samples) {
 
 Parameter clamp_parameter() { return word("clamp", Switch::On, "hold exponents at what the format can store"); }
 
-float chosen_exponent(const TechniqueSettings& settings, std::string_view name, int power) {
-    const ParameterValues& parameters = settings.parameters;
+void settle_exponent(TechniqueSettings& settings, std::string_view name, int power) {
+    ParameterValues& parameters = settings.parameters;
     const FormatInfo& format = format_info(settings.format);
     const auto wanted = static_cast<double>(parameters.number(name));
     const double limit = exponent_limit(format, power, settings.map_samples);
-    if (wanted <= limit) return static_cast<float>(wanted);
     const bool clamps = parameters.word<Switch>("clamp") == Switch::On;
+    if (wanted <= limit) return;
     if (parameters.is_set(name))
         warn_once(fmt::format("{}={:g}: {} holds up to {:.4f}{}", name, wanted, format.name, limit,
                               clamps ? "; that is taken" : "; larger values saturate or become infinite"));
-    return static_cast<float>(clamps ? limit : wanted);
+    if (clamps) parameters.settle(name, limit);
 }
 
 ExponentialWarp positive_warp(float c) {

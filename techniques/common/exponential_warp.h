@@ -21,9 +21,9 @@ double exponent_limit(const FormatInfo& format, int power, int samples = 1);
 /// The parameter clamp: whether exponents are held at the limit of the format.
 Parameter clamp_parameter();
 
-/// The exponent that a user wants, held at the limit of the map unless `clamp` says off; warns where a wish exceeds it. A
-/// default that exceeds it is held without a word.
-float chosen_exponent(const TechniqueSettings& settings, std::string_view name, int power);
+/// Holds an exponent at the limit of the map unless `clamp` says off; warns where a wish exceeds it. A default that exceeds it
+/// is held without a word.
+void settle_exponent(TechniqueSettings& settings, std::string_view name, int power);
 
 /// What a warp makes of a depth, and its slope there.
 template <class Real>

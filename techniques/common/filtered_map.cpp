@@ -44,10 +44,11 @@ std::vector<Parameter> filtered_map_parameters() {
             odd("blur", 1, 1, kMaxBlurTaps, "taps per axis of the Gaussian blur of the map; 1 is none")};
 }
 
-FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int slices)
+FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int slices, const MomentSplit& split)
     : device_(device),
       settings_(settings),
       kernel_(gaussian_kernel(settings.parameters.whole("blur"))),
+      split_(split),
       slices_(slices),
       band_rows_(rows_per_band(settings, slices)),
       full_screen_(device) {
@@ -84,6 +85,7 @@ MapLookup FilteredMap::lookup() const {
 void FilteredMap::draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
                        const LightTarget& target) const {
     std::vector<TargetView> colors;
+    colors.reserve(static_cast<std::size_t>(slices_));
     for (int slice = 0; slice < slices_; ++slice) {
         colors.emplace_back(target.color, 0, slice);
         device_.execute(ClearColor{colors.back(), content.nothing[static_cast<std::size_t>(slice)]});
@@ -135,7 +137,8 @@ void FilteredMap::render(std::span<const SceneDraw> scene, const scenes::View& l
 void FilteredMap::filter(PassTimer& timer) const {
     if (scratch_ != TextureId::None)
         timer.pass("blur", [&] {
-            for (int slice = 0; slice < slices_; ++slice) blur(full_screen_, kernel_, TargetView(map_, 0, slice), scratch_);
+            for (int slice = 0; slice < slices_; ++slice)
+                blur(full_screen_, kernel_, TargetView(map_, 0, slice), scratch_, split_);
         });
     if (device_.texture(map_).desc().levels > 1) timer.pass("mips", [&] { device_.execute(GenerateMips{map_}); });
 }

@@ -84,7 +84,8 @@ struct FilteredMapContent {
 /// One texture, of one slice per target of the light pass.
 class FilteredMap {
 public:
-    FilteredMap(Device& device, const TechniqueSettings& settings, int slices = 1);
+    /// `split`: how an RGBA texel holds two moments, if it does, which a blur has to know.
+    FilteredMap(Device& device, const TechniqueSettings& settings, int slices = 1, const MomentSplit& split = {});
 
     /// Draws the scene into every slice, and resolves where there are several samples.
     void render(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
@@ -109,6 +110,7 @@ private:
     Device& device_;
     TechniqueSettings settings_;
     GaussianKernel kernel_;
+    MomentSplit split_;
     int slices_;
     int band_rows_;  // what the textures of the light pass hold at a time: the whole map, unless its samples are too many
     TextureId map_ = TextureId::None;
@@ -136,6 +138,16 @@ auto encoding_of_nothing(const Encoding& encoding) {
     return values;
 }
 
+/// How an encoding splits moments, if it does.
+template <class Encoding>
+MomentSplit split_of(const Encoding& encoding) {
+    if constexpr (requires { encoding.split; }) {
+        return encoding.split;
+    } else {
+        return {};
+    }
+}
+
 /// The passes of a technique with one filtered map: an `Encoding` of depth in, a `Receiver` with members lighting, map (a
 /// MapLookup) and scale (a DepthScale).
 template <class Encoding, class Receiver>
@@ -145,7 +157,7 @@ public:
 
     FilteredMapPasses(Device& device, const TechniqueSettings& settings, const CasterPrograms& casters, const Program& program,
                       const Encoding& encoding, const Receiver& receiver)
-        : map_(device, settings, kSlices),
+        : map_(device, settings, kSlices, split_of(encoding)),
           metric_(settings.parameters.word<DepthMetric>("depth")),
           casters_(casters),
           program_(program),

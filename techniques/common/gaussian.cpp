@@ -24,12 +24,17 @@ GaussianKernel gaussian_kernel(double width) {
     return kernel;
 }
 
-void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch) {
+void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch,
+          const MomentSplit& split) {
     static const Program program = make_program<FullScreenVertex, GaussianBlur>("gaussian-blur");
-    GaussianBlur rows{.source = texture.texture, .slice = texture.first_layer, .taps = kernel.taps, .weights = kernel.weights};
+    GaussianBlur rows{.source = texture.texture,
+                      .slice = texture.first_layer,
+                      .taps = kernel.taps,
+                      .weights = kernel.weights,
+                      .split = split};
     const std::array<TargetView, 1> to_scratch{scratch};
     full_screen.run("blur rows", program, rows, to_scratch);
-    GaussianBlur columns{.source = scratch, .columns = 1, .taps = kernel.taps, .weights = kernel.weights};
+    GaussianBlur columns{.source = scratch, .columns = 1, .taps = kernel.taps, .weights = kernel.weights, .split = split};
     const std::array<TargetView, 1> to_texture{texture};
     full_screen.run("blur columns", program, columns, to_texture);
 }

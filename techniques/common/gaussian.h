@@ -2,6 +2,7 @@
 #pragma once
 
 #include "techniques/common/full_screen.h"
+#include "techniques/common/split_moments.h"
 
 #include <array>
 
@@ -26,11 +27,13 @@ struct GaussianBlur {
     int columns = 0;  // 1: sums along a column of texels, else along a row
     int taps = 1;     // odd
     std::array<float, kMaxBlurTaps> weights{};
+    MomentSplit
+        split{};  // of moments in two parts: the sum is put together and split anew, for coarse parts are no longer whole
 
     static constexpr auto fields() {
         using G = GaussianBlur;
-        return std::tuple{Field{"source", &G::source}, Field{"slice", &G::slice}, Field{"columns", &G::columns},
-                          Field{"taps", &G::taps}, Field{"weights", &G::weights}};
+        return std::tuple{Field{"source", &G::source}, Field{"slice", &G::slice},     Field{"columns", &G::columns},
+                          Field{"taps", &G::taps},     Field{"weights", &G::weights}, Field{"split", &G::split}};
     }
 
     template <class F>
@@ -47,11 +50,12 @@ struct GaussianBlur {
             const Real weight(weights[static_cast<std::size_t>(i)]);
             sum = {sum.x + texel.x * weight, sum.y + texel.y * weight, sum.z + texel.z * weight, sum.w + texel.w * weight};
         }
-        return sum;
+        return split.factor != 0.0f ? split.store(split.restore(sum)) : sum;
     }
 };
 
 /// Blurs level 0 of one slice of `texture` in place, through `scratch` (same size and format, one slice).
-void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch);
+void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch,
+          const MomentSplit& split = {});
 
 }  // namespace gnomon::techniques

@@ -69,11 +69,13 @@ std::string range_of(const Parameter& parameter) {
 
 ParameterValues::ParameterValues(std::string_view technique, std::span<const Parameter> parameters,
                                  const ParameterTexts& texts) {
+    entries_.reserve(parameters.size());
     for (const Parameter& parameter : parameters) entries_.push_back({.parameter = parameter, .value = parameter.standard});
     for (const auto& [name, text] : texts) {
         const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
         if (at == entries_.end()) {
             std::vector<std::string_view> names;
+            names.reserve(parameters.size());
             for (const Parameter& parameter : parameters) names.push_back(parameter.name);
             if (names.empty()) fail("--set {}={}: {} has no parameters", name, text, technique);
             fail("--set {}={}: {} has no parameter of that name; expected one of {}", name, text, technique,
@@ -82,6 +84,12 @@ ParameterValues::ParameterValues(std::string_view technique, std::span<const Par
         at->value = parse(technique, at->parameter, text);
         at->is_set = true;
     }
+}
+
+void ParameterValues::settle(std::string_view name, double value) {
+    const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
+    GNOMON_CHECK(at != entries_.end());
+    at->value = value;
 }
 
 const ParameterValues::Entry& ParameterValues::find(std::string_view name) const {

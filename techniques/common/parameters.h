@@ -82,6 +82,8 @@ public:
     [[nodiscard]] E word(std::string_view name) const {
         return kEnumNames<E>.at(static_cast<std::size_t>(whole(name))).value;
     }
+    /// Puts another value in the place of what was said: what it comes to.
+    void settle(std::string_view name, double value);
     /// Whether the user, rather than the default, said so.
     [[nodiscard]] bool is_set(std::string_view name) const { return find(name).is_set; }
 

@@ -289,7 +289,7 @@ TEST_CASE("[Peters15] 4.1: the factors and the solution are those of the Hankel 
     }
 }
 
-TEST_CASE("[Peters15] 4.1: quadratic roots, where one is far away, too", "[peters15]") {
+TEST_CASE("[Peters15] 4.1, deviation: quadratic roots keep their digits where one is far away", "[peters15]") {
     const auto roots = [](float c1, float c2, float c3) {
         const auto z = quadratic_roots(Vec3<Float>{Float(c1), Float(c2), Float(c3)});
         return std::pair{lane(z.lower, 0), lane(z.upper, 0)};
@@ -301,9 +301,35 @@ TEST_CASE("[Peters15] 4.1: quadratic roots, where one is far away, too", "[peter
     CHECK(roots(1.0f, 2.0f, 1.1f) == std::pair{-1.0f, -1 / 1.1f});  // no real ones: as if the discriminant were 0
     CHECK(roots(-1.0f, 2.0f, 0.0f) == std::pair{-0x1p60f, 0.5f});
     CHECK(roots(-1.0f, 2.0f, -0.0f) == std::pair{0.5f, 0x1p60f});
-    CHECK(roots(0.0f, 0.0f, 0.0f) == std::pair{-0x1p60f, 0x1p60f});
+    CHECK(roots(0.0f, 0.0f, 0.0f) == std::pair{-0x1p60f, -0x1p60f});
     // (x - 1/2) (1 - 2^-20 x): -p/2 + sqrt(p^2/4 - q) of x^2 + p x + q would leave four bits of the smaller one.
     CHECK(std::fabs(roots(-0.5f, 1.0f + 0x1p-21f, -0x1p-20f).first - 0.5f) <= 0x1p-24f);
+}
+
+TEST_CASE("[Peters15] deviation: a receiver on the nearer of two depths is lit, whatever fp32 makes of d33", "[peters15]") {
+    // A bilinear mix of two depths in fp32; their d33 is 0 but for the bias and the rounding, and often comes out as 0 or less.
+    int hidden = 0;
+    for (int i = 0; i < 20000; ++i) {
+        oracle::Random random(static_cast<std::uint64_t>(i));
+        const float near = random.in(0.0f, 0.9f);
+        const Numbers a = numbers_of(power_moments_of_depth(Float(near)));
+        const Numbers b = numbers_of(power_moments_of_depth(Float(random.in(near + 0.05f, 1.0f))));
+        const float weight = static_cast<float>(random.integer(0, 255)) / 256.0f;
+        const auto mix = [&](double x, double y) {
+            const float from = static_cast<float>(x);
+            return Float(from + (static_cast<float>(y) - from) * weight);
+        };
+        const PowerMoments<Float> moments = biased(
+            PowerMoments<Float>{mix(a.first, b.first), mix(a.second, b.second), mix(a.third, b.third), mix(a.fourth, b.fourth)},
+            Float(standard_moment_bias(Format::Rgba32Float)));
+        hidden += lane(hankel_factors(moments).d33, 0) == 0x1p-23f;
+        for (const MomentBound bound : kBounds) {
+            const double found = bound_of(bound, moments, static_cast<double>(near));
+            if (!(found > 0.75)) FAIL(fmt::format("case {}: {} at {:a}: {:a}", i, name_of(bound), near, found));
+        }
+    }
+    INFO(hidden << " cases without d33");
+    CHECK(hidden > 500);
 }
 
 TEST_CASE("[Peters15]: up to two depths come back exactly", "[peters15]") {
@@ -388,17 +414,17 @@ TEST_CASE("[Peters15]: the bounds at the ends", "[peters15]") {
     CHECK(bound_of(MomentBound::Hausdorff, b, 1.0) >= 0.25);
     CHECK(bound_of(MomentBound::Hausdorff, b, 1.5) == bound_of(MomentBound::Hausdorff, b, 1.0));
     CHECK(bound_of(MomentBound::Hamburger, b, 1.5) < 0.1);
-    // One exact depth has no variance, and what is behind it no light; 0 and 1 with one between are the fewest that fill
-    // Hausdorff's.
+    // One exact depth has no variance, which counts as an ULP of 1: behind it is next to no light.
     for (const float x : {0.0f, 0.25f, 0.5f, 1.0f}) {
         const PowerMoments<Float> one = power_moments_of_depth(Float(x));
         for (const MomentBound bound : kBounds) {
             INFO(name_of(bound) << " of one depth " << x);
             CHECK(bound_of(bound, one, static_cast<double>(x)) == 1);
             if (x > 0) CHECK(bound_of(bound, one, static_cast<double>(x) - 0.125) == 1);
-            if (x < 1) CHECK(bound_of(bound, one, static_cast<double>(x) + 0.125) == 0);
+            if (x < 1) CHECK(bound_of(bound, one, static_cast<double>(x) + 0.125) <= 0x1p-23 / (0.125 * 0.125));
         }
     }
+    // Of 0, 1 and a depth between Hausdorff's is exact.
     const PowerMoments<Float> three{Float(0.5f), Float(0.375f), Float(0.3125f), Float(0.28125f)};  // 0 and 1: 1/4, 0.5: 1/2
     CHECK(bound_of(MomentBound::Hausdorff, three, 0.25) == 0.75);
     CHECK(bound_of(MomentBound::Hausdorff, three, 0.5) == 0.75);

@@ -136,6 +136,8 @@ TEST_CASE("bad input is one line on stderr, exit code 2, and nothing written", "
         "render --scene planes --technique vsm --set depth=z --out o",
         "render --scene planes --technique vsm --set brightness=1 --out o",
         "render --scene planes --technique all --set brightness=1 --out o",
+        "render --scene planes --technique all --set taps=99 --out o",
+        "render --scene planes --technique all --format r11g11b10f --out o",
         "render --scene planes --technique vsm --set min-variance=inf --out o",
         "render --scene planes --technique vsm --aniso 0 --out o",
         "render --scene planes --technique vsm --aniso 17 --out o",

