@@ -208,6 +208,8 @@ TEST_CASE("[Lauritzen08] 4.1.2: splits come to lie between the second and the th
         INFO("heights " << a << " and " << b << ": B at " << depth_b << ", C at " << depth_c);
         const auto one = map.run(1, options).back();
         INFO("one split " << one[0]);
+        // Along A's sides a sample between texels is half A, half B, where mu + sigma is B to the bit of the format; only at
+        // its four corners, a quarter or three, it errs by up to a third of the distance: less than 1/50 of the mean here.
         CHECK(one[0] > depth_b - 0.02);
         CHECK(one[0] < depth_c);
         // Two splits: one at each of the two second occluders that the map shows, B under A and C under B.
