@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 
 #include <array>
+#include <bit>
 
 namespace gnomon {
 
@@ -94,13 +95,14 @@ GNOMON_INLINE Footprint<Real> make_footprint(const Lookup& lookup, const LevelLa
     const Texture& texture = lookup.view.texture();
     Int origin = level.offset;
     if (texture.desc().layers > 1) origin += lookup.layer * Int(texture.layer_stride());
-    const Int bytes(texture.info().bytes_per_texel);
-    const Int left = u.texel[0] * bytes;
+    // Texels take 1, 2, 4, 8 or 16 bytes: shifts instead of multiplications, which take ten cycles.
+    const Int log2_bytes(std::countr_zero(static_cast<unsigned>(texture.info().bytes_per_texel)));
+    const Int left = shift_left(u.texel[0], log2_bytes);
     const Int upper = v.texel[0] * level.pitch + origin;
     footprint.offset[0] = left + upper;
     footprint.outside[0] = u.outside[0] | v.outside[0];
     if (linear) {
-        const Int right = u.texel[1] * bytes;
+        const Int right = shift_left(u.texel[1], log2_bytes);
         const Int lower = v.texel[1] * level.pitch + origin;
         footprint.offset[1] = right + upper;
         footprint.offset[2] = left + lower;
