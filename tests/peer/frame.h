@@ -73,8 +73,8 @@ struct TechniqueOptions {
     bool operator==(const TechniqueOptions&) const = default;
 };
 
-/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/common/gaussian.h; `taps` is
-/// odd, 1..31.
+/// Weights of `taps` samples one texel apart, summing to 1, with sigma = (taps - 1) / 4 as techniques/common/gaussian.h; `taps`
+/// is odd, 1..31.
 std::vector<float> gaussian_kernel(int taps);
 
 /// Lambert under one light and its cone, as techniques/common/receiver.h.
