@@ -106,16 +106,20 @@ TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRe
     return settings;
 }
 
-double storage_per_texel(const Technique& technique, const TechniqueSettings& settings) {
-    Device device(Profile{}, 1);
-    const auto passes = technique.make(device, settings);
+double storage_per_texel(const Device& device, std::span<const TextureId> maps, int map_size) {
     double bits = 0;
-    for (const TextureId id : passes->maps()) {
+    for (const TextureId id : maps) {
         const Texture& texture = device.texture(id);
         const double texels = 1.0 * texture.width(0) * texture.height(0) * texture.desc().layers;
         bits += texels * texture.info().components * texture.info().bits_per_component;
     }
-    return bits / (8.0 * settings.map_size * settings.map_size);
+    return bits / (8.0 * map_size * map_size);
+}
+
+double storage_per_texel(const Technique& technique, const TechniqueSettings& settings) {
+    Device device(Profile{}, 1);
+    const auto passes = technique.make(device, settings);
+    return storage_per_texel(device, passes->maps(), settings.map_size);
 }
 
 }  // namespace gnomon::techniques

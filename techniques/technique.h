@@ -108,6 +108,8 @@ TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRe
                                    const Profile& profile = Profile{});
 
 /// Bytes per texel of level 0 of what receivers sample: all components of all textures and slices of a technique.
+double storage_per_texel(const Device& device, std::span<const TextureId> maps, int map_size);
+/// The same of a technique that is on no device yet.
 double storage_per_texel(const Technique& technique, const TechniqueSettings& settings);
 
 }  // namespace gnomon::techniques
