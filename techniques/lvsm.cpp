@@ -177,15 +177,8 @@ private:
 
     std::vector<double> relaxed_splits(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) {
         static const CasterPrograms casters = make_caster_programs<VsmEncoding>("vsm.cast", "vsm.cast-distance");
-        const DepthCaster<VsmEncoding> caster{.scale = receiver_.scale, .encoding = {}};
-        const auto nothing = encoding_of_nothing(caster.encoding);
+        EncodedLightPass<VsmEncoding>{casters, receiver_.scale, {}}.render(*unwarped_, scene, light, timer);
         std::vector<double> splits;
-        unwarped_->render(scene, light,
-                          {.programs = casters,
-                           .constants = constants_of(caster),
-                           .euclidean = caster.scale.euclidean != 0,
-                           .nothing = nothing},
-                          timer);
         timer.pass("lloyd", [&] { splits = lloyd_->relax(settings_.parameters.whole("layers")); });
         return splits;
     }
@@ -193,14 +186,7 @@ private:
     void draw_layers(std::span<const SceneDraw> scene, const scenes::View& light, const Encoding& encoding, PassTimer& timer) {
         static const std::array names{program_name("cast"), program_name("cast-distance")};
         static const CasterPrograms casters = make_caster_programs<Encoding>(names[0], names[1]);
-        const DepthCaster<Encoding> caster{.scale = receiver_.scale, .encoding = encoding};
-        const auto nothing = encoding_of_nothing(encoding);
-        map_.render(scene, light,
-                    {.programs = casters,
-                     .constants = constants_of(caster),
-                     .euclidean = caster.scale.euclidean != 0,
-                     .nothing = nothing},
-                    timer);
+        EncodedLightPass<Encoding>{casters, receiver_.scale, encoding}.render(map_, scene, light, timer);
     }
 
     void make_depth_source() {

@@ -71,14 +71,7 @@ public:
     void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
         static const CasterPrograms casters = make_caster_programs<CentredMoments>("savsm.cast", "savsm.cast-distance");
         receiver_.scale = make_depth_scale(metric_, light);
-        const DepthCaster<CentredMoments> caster{.scale = receiver_.scale, .encoding = receiver_.moments};
-        const auto nothing = encoding_of_nothing(receiver_.moments);
-        map_.render(scene, light,
-                    {.programs = casters,
-                     .constants = constants_of(caster),
-                     .euclidean = caster.scale.euclidean != 0,
-                     .nothing = nothing},
-                    timer);
+        EncodedLightPass<CentredMoments>{casters, receiver_.scale, receiver_.moments}.render(map_, scene, light, timer);
         map_.filter(timer);
         timer.pass("table", [&] { table_.build(map_.id()); });
     }

@@ -138,6 +138,23 @@ auto encoding_of_nothing(const Encoding& encoding) {
     return values;
 }
 
+/// A light pass that stores what an encoding makes of depth.
+template <class Encoding>
+struct EncodedLightPass {
+    const CasterPrograms& programs;
+    DepthScale scale;
+    Encoding encoding;
+
+    void render(const FilteredMap& map, std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) const {
+        const DepthCaster<Encoding> caster{.scale = scale, .encoding = encoding};
+        const auto nothing = encoding_of_nothing(encoding);
+        map.render(
+            scene, light,
+            {.programs = programs, .constants = constants_of(caster), .euclidean = scale.euclidean != 0, .nothing = nothing},
+            timer);
+    }
+};
+
 /// How an encoding splits moments, if it does.
 template <class Encoding>
 MomentSplit split_of(const Encoding& encoding) {
@@ -168,14 +185,7 @@ public:
 
     void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
         receiver_.scale = make_depth_scale(metric_, light);
-        const DepthCaster<Encoding> caster{.scale = receiver_.scale, .encoding = encoding_};
-        const auto nothing = encoding_of_nothing(encoding_);
-        map_.render(scene, light,
-                    {.programs = casters_,
-                     .constants = constants_of(caster),
-                     .euclidean = caster.scale.euclidean != 0,
-                     .nothing = nothing},
-                    timer);
+        EncodedLightPass<Encoding>{casters_, receiver_.scale, encoding_}.render(map_, scene, light, timer);
         map_.filter(timer);
     }
     [[nodiscard]] const Program& receiver_program() const override { return program_; }
