@@ -1,3 +1,4 @@
+// Saturated, infinite and undefined texels, told by their bits.
 #include "studies/map_statistics.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Studies from cases to rows, and rows as text and JSON.
 #include "studies/study.h"
 
 #include "studies/report.h"

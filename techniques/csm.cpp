@@ -1,3 +1,4 @@
+// Passes and parameters of convolution shadow maps. [Annen07]
 #include "techniques/csm.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// Passes and parameters of exponential shadow maps. [Salvi08], [Annen08]
 #include "techniques/esm.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// Where layers begin and end. [Lauritzen08] 4.1.1, 4.1.2
 #include "techniques/layers.h"
 
 #include "sim/error.h"
@@ -16,7 +17,7 @@ constexpr double kThinnest = 1.0 / (1 << 16);
 DepthLayers make_layers(std::span<const double> inner_splits, double overlap) {
     GNOMON_CHECK_LT(inner_splits.size(), std::size_t{kMaxDepthLayers});
     GNOMON_CHECK(std::ranges::is_sorted(inner_splits));
-    DepthLayers layers{.count = static_cast<int>(inner_splits.size()) + 1, .overlap = static_cast<float>(overlap)};
+    DepthLayers layers{.count = static_cast<int>(inner_splits.size()) + 1};
     const auto count = static_cast<std::size_t>(layers.count);
     for (std::size_t i = 1; i < count; ++i) layers.splits[i] = static_cast<float>(inner_splits[i - 1]);
     for (std::size_t i = count; i <= std::size_t{kMaxDepthLayers}; ++i) layers.splits[i] = 1.0f;

@@ -29,7 +29,6 @@ Real layer_warp(const Real& depth, const Real& p, const Real& inverse) {
 /// The layers of a map, as constants of its shaders. Depths are in [0, 1].
 struct DepthLayers {
     int count = 1;                                    // 1 to kMaxDepthLayers
-    float overlap = 0.0f;                             // delta: how far a layer reaches past its splits. [Lauritzen08] 4.1.1
     std::array<float, kMaxDepthLayers + 1> splits{};  // s_0 = 0, ..., s_count = 1, ascending
     std::array<float, kMaxDepthLayers> begin{};       // p_i
     std::array<float, kMaxDepthLayers> inverse{};     // 1 / (q_i - p_i)
@@ -37,8 +36,8 @@ struct DepthLayers {
 
     static constexpr auto fields() {
         using D = DepthLayers;
-        return std::tuple{Field{"count", &D::count}, Field{"overlap", &D::overlap}, Field{"splits", &D::splits},
-                          Field{"begin", &D::begin}, Field{"inverse", &D::inverse}, Field{"fade", &D::fade}};
+        return std::tuple{Field{"count", &D::count}, Field{"splits", &D::splits}, Field{"begin", &D::begin},
+                          Field{"inverse", &D::inverse}, Field{"fade", &D::fade}};
     }
 
     /// The warped depth in layer `i`, the same for all lanes.
@@ -75,9 +74,9 @@ LayerChoice<Real> choose_layers(const DepthLayers& layers, const Real& depth) {
     return choice;
 }
 
-/// Layers between the inner splits s_1 ... s_{N-1}, ascending in [0, 1], each widened by `overlap` where it has a neighbour. A
-/// transition takes the width of the overlap, or what its neighbours leave of it: each ends before the middle of a layer begins
-/// another.
+/// Layers between the inner splits s_1 ... s_{N-1}, ascending in [0, 1], each widened by `overlap` (delta, [Lauritzen08] 4.1.1)
+/// where it has a neighbour. Transitions are as wide as the overlap, but none reaches past the middle of a layer, where that of
+/// the next split may begin.
 DepthLayers make_layers(std::span<const double> inner_splits, double overlap);
 
 /// Inner splits of `count` layers of one size.

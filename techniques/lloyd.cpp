@@ -1,3 +1,4 @@
+// Lloyd's relaxation: clusters measured on the device, splits moved on the host. [Lauritzen08] 4.1.2, 4.1.3
 #include "techniques/lloyd.h"
 
 #include "pipeline/program.h"

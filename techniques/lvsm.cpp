@@ -1,3 +1,4 @@
+// Passes and parameters of layered variance shadow maps. [Lauritzen08] 4.1.3
 #include "techniques/lvsm.h"
 
 #include "pipeline/program.h"

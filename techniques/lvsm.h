@@ -33,7 +33,7 @@ struct LvsmReceiver {
     DepthScale scale{};
     MapLookup map{};
     DepthLayers layers{};
-    int blends = 0;  // 1: a transition of the width of the overlap
+    int blends = 0;  // 1: transitions between layers
     float min_variance = 0.0f;
     BleedReduction bleed{};
 

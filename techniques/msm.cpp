@@ -1,3 +1,4 @@
+// Passes and parameters of moment shadow maps. [Peters15]
 #include "techniques/msm.h"
 
 #include "pipeline/program.h"

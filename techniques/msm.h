@@ -86,7 +86,8 @@ struct MsmReceiver {
     }
 };
 
-/// The least moment bias that keeps a format's rounding from showing as noise, for the parameter moment-bias 0.
+/// What the parameter moment-bias 0 stands for: 3e-6 of 32-bit floats and 3e-5 of the optimised 16 bits, as [MJP] has them
+/// after [Peters15]; of halves, whose moments err by 2^-10, five times that, where noise is gone from flat ground.
 float standard_moment_bias(Format format);
 
 extern const Technique kMsm;

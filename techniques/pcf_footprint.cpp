@@ -1,3 +1,4 @@
+// Passes and parameters of percentage closer filtering over the pixel's extent. [Lauritzen08] 2.3
 #include "techniques/pcf_footprint.h"
 
 #include "pipeline/program.h"

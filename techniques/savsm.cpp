@@ -1,3 +1,4 @@
+// Passes and parameters of summed-area variance shadow maps. [Lauritzen07] 8.5
 #include "techniques/savsm.h"
 
 #include "pipeline/program.h"

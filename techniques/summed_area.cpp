@@ -1,3 +1,4 @@
+// Summed-area tables by two dispatches: summed_area.h says in which order they add. [Crow84], [Lauritzen07] 8.5
 #include "techniques/summed_area.h"
 
 #include "pipeline/compute.h"

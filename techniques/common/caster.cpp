@@ -1,3 +1,4 @@
+// The light pass as draws: depth alone, or what an encoding makes of it. [Donnelly06] section 4, step 1
 #include "techniques/common/caster.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// Light pass of a map of depths, and one depth out of several samples.
 #include "techniques/common/depth_map.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// The depth metrics under one light. [Lauritzen08] 4.1.3
 #include "techniques/common/depth_metric.h"
 
 #include <cmath>

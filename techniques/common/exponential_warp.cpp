@@ -1,3 +1,4 @@
+// Limits of exponents by format. [Lauritzen08] 4.2
 #include "techniques/common/exponential_warp.h"
 
 #include "sim/scalar_math.h"

@@ -1,3 +1,4 @@
+// Light pass in bands, resolve, blur and mips. [Donnelly06] section 4, steps 1 to 3
 #include "techniques/common/filtered_map.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// The triangle that covers a target, as a draw.
 #include "techniques/common/full_screen.h"
 
 #include "pipeline/program.h"

@@ -1,3 +1,4 @@
+// Weights and passes of the separable blur. [Donnelly06] section 4, step 2
 #include "techniques/common/gaussian.h"
 
 #include "pipeline/program.h"

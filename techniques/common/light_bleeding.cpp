@@ -1,3 +1,4 @@
+// What the parameters of light-bleeding reduction say. [Lauritzen08] 3.4
 #include "techniques/common/light_bleeding.h"
 
 namespace gnomon::techniques {

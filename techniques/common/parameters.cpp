@@ -1,3 +1,4 @@
+// Named choices: parsed, checked, listed.
 #include "techniques/common/parameters.h"
 
 #include <algorithm>

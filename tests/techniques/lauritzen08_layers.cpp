@@ -5,6 +5,7 @@
 #include "techniques/frame.h"
 #include "techniques/layers.h"
 #include "tests/oracle/random.h"
+#include "tests/techniques/frames.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -38,13 +39,6 @@ Rendered render(const scenes::Scene& scene, std::string_view name, const Techniq
     Rendered rendered{std::vector<float>(bytes.size() / 4), device.texture(frame.maps().front()).level_bytes(0)};
     std::memcpy(rendered.visibility.data(), bytes.data(), bytes.size());
     return rendered;
-}
-
-scenes::Scene scene_named(std::string_view name) {
-    for (const auto& scene : scenes::procedural_scenes())
-        if (scene.name == name) return scene.make();
-    FAIL("no scene " << name);
-    return {};
 }
 
 /// Chebyshev's bound in one layer over depths of equal weight.
@@ -149,7 +143,7 @@ TEST_CASE("[Lauritzen08] 4.1: one layer is a variance shadow map, bit for bit", 
                              std::pair{Format::Rgba16Float, Format::Rg16Float},
                              std::pair{Format::Rgba16Unorm, Format::Rg16Unorm}};
     for (const char* name : {"car", "overlap"}) {
-        const scenes::Scene scene = scene_named(name);
+        const scenes::Scene& scene = testing::scene_of(name);
         for (const auto& [layered, plain] : formats) {
             TechniqueRequest vsm{.map_size = 200, .map_samples = 4, .format = plain, .anisotropy = 8};
             vsm.set = {{"blur", "3"}, {"depth", "distance"}, {"bleed-reduction", "0.1"}};
@@ -168,7 +162,7 @@ TEST_CASE("[Lauritzen08] 4.1: one layer is a variance shadow map, bit for bit", 
 }
 
 TEST_CASE("[Lauritzen08] 4.1.3: layers warped from a map of depths are those that the light pass draws", "[lauritzen08][4.1]") {
-    const scenes::Scene scene = scene_named("bench");
+    const scenes::Scene& scene = testing::scene_of("bench");
     for (const char* layers : {"2", "3", "5", "16"}) {
         TechniqueRequest request{.map_size = 128, .format = Format::Rgba32Float, .set = {{"layers", layers}}};
         const Rendered casters = render(scene, "lvsm", request);

@@ -4,6 +4,7 @@
 #include "techniques/frame.h"
 #include "techniques/lloyd.h"
 #include "tests/oracle/random.h"
+#include "tests/techniques/frames.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -162,13 +163,6 @@ private:
 
 constexpr float kNoise = 1.5f / 65535;
 
-scenes::Scene scene_named(std::string_view name) {
-    for (const auto& scene : scenes::procedural_scenes())
-        if (scene.name == name) return scene.make();
-    FAIL("no scene " << name);
-    return {};
-}
-
 /// Frames until every split stays within `distance` of where it ends.
 int settled_after(const std::vector<std::vector<double>>& history, double distance) {
     int last = 0;
@@ -233,7 +227,7 @@ TEST_CASE("[Lauritzen08] 4.1.3: relaxation settles within a second of frames", "
     constexpr std::array kCases{Case{2, false, 0, 60}, Case{2, false, 3, 60}, Case{4, false, 0, 60}, Case{4, true, 0, 60},
                                 Case{4, true, 3, 60},  Case{8, true, 0, 60},  Case{8, false, 0, 150}};
     for (const char* name : {"bench", "windmill"}) {
-        Relaxed map(scene_named(name));
+        Relaxed map(testing::scene_of(name));
         for (const Case& c : kCases) {
             const LloydOptions options{
                 .frames = 200, .updates_all = c.updates_all, .latency = c.latency, .least_weight = kNoise};

@@ -93,18 +93,7 @@ TEST_CASE("bad options of gnomon chart are one line on stderr, exit code 2, and 
         "chart --size 8x8 --out o extra",
         "chart --no-such-option --out o",
     };
-    for (const std::string& arguments : bad) {
-        INFO(arguments);
-        const Outcome run = gnomon_run(folder, arguments);
-        CHECK(run.code == 2);
-        INFO(run.err);
-        CHECK(run.err.starts_with("gnomon: "));
-        CHECK(std::ranges::count(run.err, '\n') == 1);
-        auto after = files_in(folder.path());
-        after.erase("stdout.txt");
-        after.erase("stderr.txt");
-        CHECK(after == before);
-    }
+    for (const std::string& arguments : bad) check_refused(folder, arguments);
 }
 
 TEST_CASE("an interrupted chart leaves nothing half-written", "[cli][charts]") {

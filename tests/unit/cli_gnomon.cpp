@@ -161,18 +161,7 @@ TEST_CASE("bad input is one line on stderr, exit code 2, and nothing written", "
         "export --scene nowhere --out o.glb",
         "contact-sheet nowhere",
     };
-    for (const std::string& arguments : bad) {
-        INFO(arguments);
-        const Outcome run = gnomon_run(folder, arguments);
-        CHECK(run.code == 2);
-        INFO(run.err);
-        CHECK(run.err.starts_with("gnomon: "));
-        CHECK(std::ranges::count(run.err, '\n') == 1);
-        auto after = files_in(folder.path());
-        after.erase("stdout.txt");
-        after.erase("stderr.txt");
-        CHECK(after == before);
-    }
+    for (const std::string& arguments : bad) check_refused(folder, arguments);
     CHECK(!std::filesystem::exists("/nonexistent"));
     CHECK(gnomon_run(folder, "render " + good).code == 0);  // and the good one is good
 }

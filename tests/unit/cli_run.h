@@ -4,9 +4,11 @@
 #include "tests/unit/scenes_files.h"
 
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -43,6 +45,24 @@ inline std::set<std::string> files_in(const std::filesystem::path& path) {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(path)) names.insert(entry.path().filename().string());
     return names;
+}
+
+/// Whether bad input gets one line on stderr, exit code 2, and nothing written.
+inline void check_refused(const TemporaryFolder& folder, const std::string& arguments) {
+    const auto without_streams = [&] {
+        std::set<std::string> names = files_in(folder.path());
+        names.erase("stdout.txt");
+        names.erase("stderr.txt");
+        return names;
+    };
+    const std::set<std::string> before = without_streams();
+    INFO(arguments);
+    const Outcome run = gnomon_run(folder, arguments);
+    CHECK(run.code == 2);
+    INFO(run.err);
+    CHECK(run.err.starts_with("gnomon: "));
+    CHECK(std::ranges::count(run.err, '\n') == 1);
+    CHECK(without_streams() == before);
 }
 
 }  // namespace gnomon::test

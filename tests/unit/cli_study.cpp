@@ -71,18 +71,8 @@ TEST_CASE("gnomon study: bad input is one line on stderr, exit code 2, and nothi
              "study formats --scene planes --size 48x36 --out file",
              "study formats exponents --out o",
              "list nothing",
-         }) {
-        INFO(arguments);
-        const Outcome run = gnomon_run(folder, arguments);
-        CHECK(run.code == 2);
-        INFO(run.err);
-        CHECK(run.err.starts_with("gnomon: "));
-        CHECK(std::ranges::count(run.err, '\n') == 1);
-        auto after = files_in(folder.path());
-        after.erase("stdout.txt");
-        after.erase("stderr.txt");
-        CHECK(after == before);
-    }
+         })
+        check_refused(folder, arguments);
 }
 
 TEST_CASE("an interrupted study keeps the rows that it finished", "[cli]") {
