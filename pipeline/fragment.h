@@ -57,6 +57,14 @@ struct TexelPlace {
     int layer = 0;
 };
 
+/// What FragmentContext::lod says.
+template <class Real>
+struct SampledLevel {
+    Real clamped;
+    Real unclamped;
+    Int probes;  // 1 where the sample is not anisotropic
+};
+
 /// `kDiscards`: the functor says that it does.
 template <class RealType, class VaryingsType, bool kDiscards>
 class FragmentContext {
@@ -156,6 +164,26 @@ public:
         const TextureView view = compared(id, sampler);
         return count_and_compare(id, view, sampler, uv, reference, quad_lod(view, sampler, first_slice(uv)));
     }
+    /// ... of the shader's own derivatives. HLSL shader model 6.7, SampleCmpGrad
+    Real sample_compare_gradient(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, const Real& reference,
+                                 const Gradients<Real>& gradients) const {
+        const TextureView view = compared(id, sampler);
+        return count_and_compare(id, view, sampler, uv, reference, level_of_detail(gradients, view, sampler, profile()));
+    }
+    /// The levels that `sample` would read at these coordinates (`clamped`), and the level of detail before bias and clamp.
+    /// D3D11.3 22.5.6 (lod)
+    SampledLevel<Real> lod(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv) const {
+        note_derivative([&](std::uint32_t bits) { return quad_gradients_readers(bits, profile()); });
+        return lod(id, sampler, quad_gradients(uv, profile()));
+    }
+    /// ... that `sample_gradient` would read.
+    SampledLevel<Real> lod(const TextureLevels& id, const Sampler& sampler, const Gradients<Real>& gradients) const {
+        const TextureView view = sampled(id, {0, 0});
+        const LevelOfDetail<Real> level = level_of_detail(gradients, view, sampler, profile());
+        const LevelPair<Real> pair = select_levels(level.lod, Real(0.0f), sampler, view, profile());
+        const Real available = clamp(pair.clamped, Real(0.0f), Real(static_cast<float>(view.levels() - 1)));
+        return {available, level.lod, level.anisotropic ? level.probes : Int(1)};
+    }
     /// Four texels of one component (0 to 3), unfiltered. D3D11.3 22.4.2
     Vec4<Real> gather(const TextureLevels& id, const Sampler& sampler, const Vec2<Real>& uv, int component = 0,
                       const glm::ivec2& offset = {0, 0}) const {
@@ -216,6 +244,15 @@ public:
     }
     Real ddx_fine(const Real& x) const { return note_derivative(ddx_fine_readers), gnomon::ddx_fine(x); }
     Real ddy_fine(const Real& x) const { return note_derivative(ddy_fine_readers), gnomon::ddy_fine(x); }
+
+    /// Another lane of the quad: 0 top-left, 1 top-right, 2 bottom-left, 3 bottom-right; helpers have values too. HLSL shader
+    /// model 6.0, QuadReadLaneAt
+    template <int kLane>
+    Real quad_read(const Real& x) const {
+        return quad_broadcast<kLane>(x);
+    }
+    /// All four lanes of a quad where any of them is in the mask. HLSL shader model 6.7, QuadAny
+    Mask quad_any(Mask mask) const { return Mask::from_bits(gnomon::quad_any(mask.bits())); }
 
     Real rcp(const Real& x) const { return gnomon::rcp(x); }
     Real rsqrt(const Real& x) const { return gnomon::rsqrt(x); }

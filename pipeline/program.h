@@ -23,7 +23,7 @@ using ConstantValue = std::variant<float, int, glm::vec2, glm::vec3, glm::vec4, 
                                    TextureLevels, MultisampledTexture, Sampler, BufferId>;
 
 struct NamedConstant {
-    std::string name;  // members of nested structs as "outer.inner"
+    std::string name;  // members of nested structs as "outer.inner", of arrays of structs as "outer.0.inner"
     ConstantValue value;
 };
 
@@ -100,6 +100,11 @@ void append_constant(std::vector<NamedConstant>& constants, const std::string& n
     for_each_field(nested, [&](std::string_view inner, const auto& value) {
         append_constant(constants, fmt::format("{}.{}", name, inner), value);
     });
+}
+template <HasFields Struct, std::size_t kCount>
+void append_constant(std::vector<NamedConstant>& constants, const std::string& name,
+                     const std::array<Struct, kCount>& structs) {
+    for (std::size_t i = 0; i < kCount; ++i) append_constant(constants, fmt::format("{}.{}", name, i), structs[i]);
 }
 
 }  // namespace detail

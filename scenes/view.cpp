@@ -1,6 +1,7 @@
 // View and projection matrices, computed in double and rounded to float once. Clip space as in D3D11.3 15.4.
 #include "scenes/view.h"
 
+#include "scenes/convex.h"
 #include "sim/error.h"
 #include "sim/scalar_math.h"
 
@@ -58,8 +59,8 @@ struct DepthRange {
     [[nodiscard]] bool empty() const { return nearest > farthest; }
 };
 
-std::array<glm::dvec3, 8> corners_in(const glm::dmat4& view_from_world, const Bounds& bounds) {
-    std::array<glm::dvec3, 8> corners;
+Hexahedron corners_in(const glm::dmat4& view_from_world, const Bounds& bounds) {
+    Hexahedron corners;
     for (unsigned i = 0; i < 8; ++i) {
         const glm::dvec4 corner_ws((i & 1) ? bounds.upper.x : bounds.lower.x, (i & 2) ? bounds.upper.y : bounds.lower.y,
                                    (i & 4) ? bounds.upper.z : bounds.lower.z, 1.0);
@@ -68,29 +69,13 @@ std::array<glm::dvec3, 8> corners_in(const glm::dmat4& view_from_world, const Bo
     return corners;
 }
 
-/// Keeps the part of a convex polygon where dot(plane, (p, 1)) >= 0. Sutherland and Hodgman.
-std::vector<glm::dvec3> clip(const std::vector<glm::dvec3>& polygon, const glm::dvec4& plane) {
-    std::vector<glm::dvec3> kept;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const glm::dvec3 a = polygon[i];
-        const glm::dvec3 b = polygon[(i + 1) % polygon.size()];
-        const double side_a = glm::dot(plane, glm::dvec4(a, 1.0));
-        const double side_b = glm::dot(plane, glm::dvec4(b, 1.0));
-        if (side_a >= 0) kept.push_back(a);
-        if ((side_a >= 0) != (side_b >= 0)) kept.push_back(a + (b - a) * (side_a / (side_a - side_b)));
-    }
-    return kept;
-}
-
 /// The depths at which the infinite pyramid |x|, |y| <= tan_half * -z meets the box. Every vertex of their intersection lies on
 /// a face of the box or is the apex; an apex inside shows as a face that reaches behind it, and the near limit takes over.
-DepthRange depths_inside(const std::array<glm::dvec3, 8>& corners, double tan_half) {
-    constexpr std::array<std::array<std::size_t, 4>, 6> kFaces = {
-        {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}}};
+DepthRange depths_inside(const Hexahedron& corners, double tan_half) {
     const std::array<glm::dvec4, 4> sides = {
         {{1, 0, -tan_half, 0}, {-1, 0, -tan_half, 0}, {0, 1, -tan_half, 0}, {0, -1, -tan_half, 0}}};
     DepthRange range;
-    for (const auto& face : kFaces) {
+    for (const auto& face : kHexahedronFaces) {
         std::vector<glm::dvec3> polygon;
         for (const std::size_t corner : face) polygon.push_back(corners[corner]);
         for (const glm::dvec4& side : sides) polygon = clip(polygon, side);

@@ -132,7 +132,7 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
                                    .color = hash_of(device.texture(frame.color())),
                                    .map = hash_of_maps(device, frame.maps())},
                         .map = map,
-                        .bytes_per_texel = techniques::storage_per_texel(device, frame.maps(), plan.settings.map_size)};
+                        .bytes_per_texel = techniques::storage_per_texel(device, frame.maps(), plan.settings)};
     result.request.technique = plan.technique.name;
     if (request_.derivatives) {
         const auto bytes = device.texture(frame.derivatives()).level_bytes(0);

@@ -12,23 +12,33 @@ namespace {
 
 using techniques::TechniqueRequest;
 
-bool has_parameter(const techniques::Technique& technique, std::string_view name) {
-    return std::ranges::find(technique.parameters, name, &techniques::Parameter::name) != technique.parameters.end();
+bool has_parameter(std::span<const techniques::Parameter> parameters, std::string_view name) {
+    return std::ranges::find(parameters, name, &techniques::Parameter::name) != parameters.end();
+}
+
+/// Of the splits of a technique that has any.
+bool has_split_parameter(const techniques::Technique& technique, const TechniqueRequest& request, std::string_view name) {
+    return request.cascades.value_or(technique.default_cascades) > 0 && has_parameter(techniques::cascade_parameters(), name);
 }
 
 /// The parameters that a technique has, of those that were set; a value that it does not take is an error when it resolves
 /// them.
-techniques::ParameterTexts set_of(const techniques::Technique& technique, const techniques::ParameterTexts& set) {
+techniques::ParameterTexts set_of(const techniques::Technique& technique, const TechniqueRequest& wanted) {
     techniques::ParameterTexts own;
-    std::ranges::copy_if(set, std::back_inserter(own), [&](const auto& text) { return has_parameter(technique, text.first); });
+    std::ranges::copy_if(wanted.set, std::back_inserter(own), [&](const auto& text) {
+        return has_parameter(technique.parameters, text.first) || has_split_parameter(technique, wanted, text.first);
+    });
     return own;
 }
 
 /// Throws Error for a parameter that no technique has.
-void check_set(const techniques::ParameterTexts& set) {
-    for (const auto& [name, text] : set)
+void check_set(const TechniqueRequest& wanted) {
+    const auto is_known = [&](const techniques::Technique& technique, std::string_view name) {
+        return has_parameter(technique.parameters, name) || has_split_parameter(technique, wanted, name);
+    };
+    for (const auto& [name, text] : wanted.set)
         if (std::ranges::none_of(techniques::all_techniques(),
-                                 [&](const techniques::Technique& technique) { return has_parameter(technique, name); }))
+                                 [&](const techniques::Technique& technique) { return is_known(technique, name); }))
             fail("--set {}={}: no technique has a parameter of that name (gnomon list techniques shows them)", name, text);
 }
 
@@ -41,7 +51,7 @@ std::vector<PlannedRun> plan_all(const TechniqueRequest& wanted, const Profile& 
         [](const TechniqueRequest& from, TechniqueRequest& to) { to.format = from.format; },
         [](const TechniqueRequest& from, TechniqueRequest& to) { to.filter = from.filter; },
         [](const TechniqueRequest& from, TechniqueRequest& to) { to.anisotropy = from.anisotropy; }};
-    check_set(wanted.set);
+    check_set(wanted);
     std::array<std::string, kChoices.size()> refusals;  // the first one
     std::array<bool, kChoices.size()> taken{};
     std::vector<PlannedRun> runs;
@@ -50,7 +60,7 @@ std::vector<PlannedRun> plan_all(const TechniqueRequest& wanted, const Profile& 
         request.format.reset();
         request.filter.reset();
         request.anisotropy.reset();
-        request.set = set_of(technique, wanted.set);
+        request.set = set_of(technique, wanted);
         (void)techniques::resolve_settings(technique, request, profile);
         for (std::size_t i = 0; i < kChoices.size(); ++i) {
             TechniqueRequest more = request;

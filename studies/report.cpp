@@ -35,6 +35,7 @@ Json configuration_json(const RenderResult& result) {
     json["filter"] = name_of(result.settings.filter);
     json["map_samples"] = result.settings.map_samples;
     json["aniso"] = result.settings.anisotropy;
+    json["cascades"] = result.settings.cascades;
     json["parameters"] = parameters_json(result.settings.parameters);
     json["depth_bias"] = result.settings.depth_bias;
     json["slope_bias"] = json_of(result.settings.slope_bias);

@@ -54,6 +54,7 @@ Json row_json(const StudyRow& row) {
     json["format"] = request.format ? Json(name_of(*request.format)) : Json();
     json["filter"] = request.filter ? Json(name_of(*request.filter)) : Json();
     json["aniso"] = request.anisotropy ? Json(*request.anisotropy) : Json();
+    json["cascades"] = request.cascades ? Json(*request.cascades) : Json();
     json["set"] = Json::object();
     for (const auto& [name, value] : request.set) json["set"][name] = value;
     json["map_bytes_per_texel"] = row.bytes_per_texel;

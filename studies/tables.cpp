@@ -30,6 +30,7 @@ std::string settings_text(const RenderResult& result) {
     auto out = std::back_inserter(text);
     if (settings.map_samples > 1) fmt::format_to(out, ", {} samples", settings.map_samples);
     if (settings.anisotropy > 1) fmt::format_to(out, ", aniso {}", settings.anisotropy);
+    if (settings.cascades > 0) fmt::format_to(out, ", {} cascades", settings.cascades);
     for (const auto& [parameter, value, is_set] : settings.parameters.entries())
         fmt::format_to(out, ", {} {}", parameter.name, techniques::text_of(parameter, value));
     if (settings.depth_bias != 0) fmt::format_to(out, ", depth bias {}", settings.depth_bias);

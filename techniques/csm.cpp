@@ -27,12 +27,11 @@ template <std::size_t kTargets>
 std::unique_ptr<ShadowPasses> make_with(Device& device, const TechniqueSettings& settings) {
     static const std::array names{fmt::format("csm.cast-{}", 2 * kTargets), fmt::format("csm.cast-distance-{}", 2 * kTargets)};
     static const CasterPrograms casters = make_caster_programs<CsmEncoding<kTargets>>(names[0], names[1]);
-    static const Program program = make_program<ReceiverVertex, CsmReceiver>("csm.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<CsmReceiver>("csm.receive", "csm.receive-cascades");
     const CsmSetup setup = csm_setup(settings.parameters);
     const CsmEncoding<kTargets> encoding{.range = setup.reconstruction.range};
     const CsmReceiver receiver{.series = setup.series, .reconstruction = setup.reconstruction};
-    return std::make_unique<FilteredMapPasses<CsmEncoding<kTargets>, CsmReceiver>>(device, settings, casters, program, encoding,
-                                                                                   receiver);
+    return make_filtered_map_passes(device, settings, casters, programs, encoding, receiver);
 }
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {

@@ -45,7 +45,6 @@ CsmSetup csm_setup(const ParameterValues& chosen);
 
 /// Camera pass: every slice to visibility. [Annen07]
 struct CsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     FourierSeries series{};
@@ -53,22 +52,20 @@ struct CsmReceiver {
 
     static constexpr auto fields() {
         using R = CsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting}, Field{"scale", &R::scale}, Field{"map", &R::map},
-                          Field{"series", &R::series}, Field{"reconstruction", &R::reconstruction}};
+        return std::tuple{Field{"scale", &R::scale}, Field{"map", &R::map}, Field{"series", &R::series},
+                          Field{"reconstruction", &R::reconstruction}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
         const Real depth = (receiver_depth(f, at.depth, scale) - Real(reconstruction.offset)) * Real(reconstruction.range);
         Real sum(0.5f);
         for (int k = 1; k <= series.terms; k += 2) {
-            const Vec4<Real> texel = map.sample_slice(f, at.uv, Real(static_cast<float>(k / 2)));
+            const Vec4<Real> texel = map.sample_slice(f, at, Real(static_cast<float>(k / 2)));
             sum = sum + series.term(k, fourier_pair(k, depth), restore_pair(texel.x, texel.y));
             if (k < series.terms) sum = sum + series.term(k + 1, fourier_pair(k + 1, depth), restore_pair(texel.z, texel.w));
         }
-        return shade(f, lighting, at.inside, saturate(sum * Real(reconstruction.scale)));
+        return saturate(sum * Real(reconstruction.scale));
     }
 };
 

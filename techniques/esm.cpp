@@ -12,11 +12,10 @@ constexpr std::array kFilters{MapFilter::Trilinear, MapFilter::Bilinear, MapFilt
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
     static const CasterPrograms casters = make_caster_programs<EsmEncoding>("esm.cast", "esm.cast-distance");
-    static const Program program = make_program<ReceiverVertex, EsmReceiver>("esm.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<EsmReceiver>("esm.receive", "esm.receive-cascades");
     const EsmEncoding encoding{.exponent2 = positive_warp(settings.parameters.number("exponent")).exponent2};
     const EsmReceiver receiver{.warp = encoding, .bleed = bleed_reduction(settings.parameters)};
-    return std::make_unique<FilteredMapPasses<EsmEncoding, EsmReceiver>>(device, settings, casters, program, encoding,
-                                                                         receiver);
+    return make_filtered_map_passes(device, settings, casters, programs, encoding, receiver);
 }
 
 }  // namespace

@@ -27,7 +27,6 @@ Real exponential_visibility(const Real& filtered, const Real& depth, const EsmEn
 }
 
 struct EsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     EsmEncoding warp{};
@@ -35,15 +34,12 @@ struct EsmReceiver {
 
     static constexpr auto fields() {
         using R = EsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting}, Field{"scale", &R::scale}, Field{"map", &R::map},
-                          Field{"warp", &R::warp}, Field{"bleed", &R::bleed}};
+        return std::tuple{Field{"scale", &R::scale}, Field{"map", &R::map}, Field{"warp", &R::warp}, Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        const auto at = map_position(f);
-        const auto depth = receiver_depth(f, at.depth, scale);
-        return shade(f, lighting, at.inside, bleed(exponential_visibility(map.sample(f, at.uv).x, depth, warp)));
+    template <class F, class At>
+    auto visibility(const F& f, const At& at) const {
+        return bleed(exponential_visibility(map.sample(f, at).x, receiver_depth(f, at.depth, scale), warp));
     }
 };
 

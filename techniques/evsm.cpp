@@ -25,15 +25,14 @@ std::vector<Parameter> shared_parameters() {
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings, int warps) {
     static const CasterPrograms casters = make_caster_programs<EvsmEncoding>("evsm.cast", "evsm.cast-distance");
-    static const Program program = make_program<ReceiverVertex, EvsmReceiver>("evsm.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<EvsmReceiver>("evsm.receive", "evsm.receive-cascades");
     const ParameterValues& chosen = settings.parameters;
     const EvsmEncoding encoding{.positive = positive_warp(chosen.number("positive")),
                                 .negative = negative_warp(warps == 2 ? chosen.number("negative") : 0.0f),
                                 .warps = warps};
     const EvsmReceiver receiver{
         .warp = encoding, .min_variance = chosen.number("min-variance"), .bleed = bleed_reduction(chosen)};
-    return std::make_unique<FilteredMapPasses<EvsmEncoding, EvsmReceiver>>(device, settings, casters, program, encoding,
-                                                                           receiver);
+    return make_filtered_map_passes(device, settings, casters, programs, encoding, receiver);
 }
 
 }  // namespace

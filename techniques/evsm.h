@@ -29,7 +29,6 @@ struct EvsmEncoding {
 
 /// The smaller of the bounds of the warps: each bounds the visibility from above. [Lauritzen08] 4.2
 struct EvsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     EvsmEncoding warp{};
@@ -38,21 +37,18 @@ struct EvsmReceiver {
 
     static constexpr auto fields() {
         using R = EvsmReceiver;
-        return std::tuple{
-            Field{"lighting", &R::lighting},         Field{"scale", &R::scale}, Field{"map", &R::map}, Field{"warp", &R::warp},
-            Field{"min_variance", &R::min_variance}, Field{"bleed", &R::bleed}};
+        return std::tuple{Field{"scale", &R::scale}, Field{"map", &R::map}, Field{"warp", &R::warp},
+                          Field{"min_variance", &R::min_variance}, Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
-        const Vec4<Real> texel = map.sample(f, at.uv);
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
+        const Vec4<Real> texel = map.sample(f, at);
         const Real depth = receiver_depth(f, at.depth, scale);
         Real bound = warped_upper_bound(Moments<Real>{texel.x, texel.y}, warp.positive(depth), min_variance);
         if (warp.warps == 2)
             bound = min(bound, warped_upper_bound(Moments<Real>{texel.z, texel.w}, warp.negative(depth), min_variance));
-        return shade(f, lighting, at.inside, bleed(bound));
+        return bleed(bound);
     }
 };
 

@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include <algorithm>
+
 namespace gnomon::techniques {
 
 namespace {
@@ -43,7 +45,8 @@ glm::mat4 normal_matrix(const glm::mat4& world_from_object) {
 Frame::Frame(Device& device, const scenes::Scene& scene, const FrameDesc& desc)
     : device_(device),
       scene_light_(scene.light),
-      camera_(scenes::camera_view(scene.camera, static_cast<float>(desc.width) / static_cast<float>(desc.height))),
+      aspect_(static_cast<float>(desc.width) / static_cast<float>(desc.height)),
+      camera_(scenes::camera_view(scene.camera, aspect_)),
       light_(scenes::light_view(scene.light, scene.bounds())),
       scene_(upload_scene(device, scene)),
       passes_(desc.technique.make(device, desc.settings)) {
@@ -52,8 +55,14 @@ Frame::Frame(Device& device, const scenes::Scene& scene, const FrameDesc& desc)
     depth_ = device.create_texture("depth", {.format = Format::D32Float, .width = desc.width, .height = desc.height});
 }
 
+void Frame::render_maps(PassTimer& timer) {
+    const Texture& image = device_.texture(color_);
+    passes_->render_maps(
+        {.scene = scene_, .camera = camera_, .light = light_, .width = image.width(0), .height = image.height(0)}, timer);
+}
+
 void Frame::render(PassTimer& timer) {
-    passes_->render_map(scene_, light_, timer);
+    render_maps(timer);
     timer.pass("camera", [&] { draw_receivers(TextureId::None); });
 }
 
@@ -64,7 +73,7 @@ void Frame::render_derivatives() {
                                               {.format = Format::R32Uint, .width = color.width(0), .height = color.height(0)});
     }
     PassTimer timer(device_);
-    passes_->render_map(scene_, light_, timer);
+    render_maps(timer);
     device_.execute(ClearColor{derivatives_, glm::vec4(0.0f)});
     draw_receivers(derivatives_);
 }
@@ -73,13 +82,9 @@ void Frame::draw_receivers(TextureId derivative_report) {
     device_.execute(ClearColor{color_, {0.35f, 0.42f, 0.5f, 1.0f}});
     device_.execute(ClearColor{visibility_, {kNoSurface, 0.0f, 0.0f, 0.0f}});
     device_.execute(ClearDepth{depth_, 1.0f});
-    const glm::mat4 clip_from_world = camera_.clip_from_world();
     Lighting lighting = make_lighting(scene_light_, light_);
     for (const SceneDraw& object : scene_) {
-        const ReceiverVertex vertex{.clip_from_object = clip_from_world * object.world_from_object,
-                                    .world_from_object = object.world_from_object,
-                                    .normal_from_object = normal_matrix(object.world_from_object),
-                                    .light = make_light_space(light_, object.world_from_object)};
+        const ReceiverVertex vertex = receiver_vertex(object);
         lighting.base_color = object.base_color;
         Draw draw{.label = object.label,
                   .program = &passes_->receiver_program(),
@@ -95,5 +100,35 @@ void Frame::draw_receivers(TextureId derivative_report) {
         device_.execute(draw);
     }
 }
+
+void Frame::draw_with(const Program& program, std::span<const std::byte> constants, std::span<const TargetView> targets,
+                      TextureId derivative_report) {
+    for (const TargetView& target : targets) device_.execute(ClearColor{target, glm::vec4(kNoSurface)});
+    if (derivative_report != TextureId::None) device_.execute(ClearColor{derivative_report, glm::vec4(0.0f)});
+    device_.execute(ClearDepth{depth_, 1.0f});
+    for (const SceneDraw& object : scene_) {
+        const ReceiverVertex vertex = receiver_vertex(object);
+        Draw draw{.label = object.label,
+                  .program = &program,
+                  .vertex_constants = constants_of(vertex),
+                  .pixel_constants = constants,
+                  .vertices = object.vertices,
+                  .indices = object.indices,
+                  .count = object.count,
+                  .depth = depth_,
+                  .derivative_report = derivative_report};
+        std::ranges::copy(targets, draw.color.begin());
+        device_.execute(draw);
+    }
+}
+
+ReceiverVertex Frame::receiver_vertex(const SceneDraw& object) const {
+    return {.clip_from_object = camera_.clip_from_world() * object.world_from_object,
+            .world_from_object = object.world_from_object,
+            .normal_from_object = normal_matrix(object.world_from_object),
+            .light = make_light_space(light_, object.world_from_object)};
+}
+
+void Frame::set_camera(const scenes::Camera& camera) { camera_ = scenes::camera_view(camera, aspect_); }
 
 }  // namespace gnomon::techniques

@@ -125,7 +125,7 @@ struct EncodeDepthMap {
 
 /// `kSlices` RGBA textures hold up to 2 kSlices layers.
 template <std::size_t kSlices>
-class LvsmPasses final : public ShadowPasses {
+class LvsmPasses final : public MapPasses<LvsmReceiver> {
 public:
     using Encoding = LvsmEncoding<kSlices>;
 
@@ -148,46 +148,39 @@ public:
         receiver_.bleed = bleed_reduction(chosen);
     }
 
-    void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
-        receiver_.scale = make_depth_scale(metric_, light);
+    void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) override {
+        receiver_.scale = make_depth_scale(metric_, view.light);
         const int count = settings_.parameters.whole("layers");
-        const std::vector<double> splits = lloyd_ ? relaxed_splits(scene, light, timer) : uniform_splits(count);
+        const std::vector<double> splits = lloyd_ ? relaxed_splits(scene, view, timer) : uniform_splits(count);
         receiver_.layers = make_layers(splits, settings_.parameters.number("overlap"));
         const Encoding encoding{.layers = receiver_.layers};
         if (depth_source_ == TextureId::None) {
-            draw_layers(scene, light, encoding, timer);
+            draw_layers(scene, view, encoding, timer);
         } else {
-            timer.pass("light", [&] { draw_depth_source(scene, light); });
+            timer.pass("light", [&] { draw_depth_source(scene, view); });
             timer.pass("warp", [&] { warp_layers(encoding); });
         }
-        map_.filter(timer);
+        map_.filter(view.window, timer);
     }
 
-    [[nodiscard]] const Program& receiver_program() const override {
-        static const Program program = make_program<ReceiverVertex, LvsmReceiver>("lvsm.receive");
-        return program;
-    }
-    std::span<const std::byte> receiver_constants(const Lighting& lighting) override {
-        receiver_.lighting = lighting;
-        return constants_of(receiver_);
-    }
+    [[nodiscard]] const LvsmReceiver& receiver() const override { return receiver_; }
     [[nodiscard]] std::vector<TextureId> maps() const override { return {map_.id()}; }
 
 private:
     static std::string program_name(std::string_view part) { return fmt::format("lvsm.{}{}", part, 2 * kSlices); }
 
-    std::vector<double> relaxed_splits(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) {
+    std::vector<double> relaxed_splits(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) {
         static const CasterPrograms casters = make_caster_programs<VsmEncoding>("vsm.cast", "vsm.cast-distance");
-        EncodedLightPass<VsmEncoding>{casters, receiver_.scale, {}}.render(*unwarped_, scene, light, timer);
+        EncodedLightPass<VsmEncoding>{casters, receiver_.scale, {}}.render(*unwarped_, scene, view, timer);
         std::vector<double> splits;
         timer.pass("lloyd", [&] { splits = lloyd_->relax(settings_.parameters.whole("layers")); });
         return splits;
     }
 
-    void draw_layers(std::span<const SceneDraw> scene, const scenes::View& light, const Encoding& encoding, PassTimer& timer) {
+    void draw_layers(std::span<const SceneDraw> scene, const MapView& view, const Encoding& encoding, PassTimer& timer) {
         static const std::array names{program_name("cast"), program_name("cast-distance")};
         static const CasterPrograms casters = make_caster_programs<Encoding>(names[0], names[1]);
-        EncodedLightPass<Encoding>{casters, receiver_.scale, encoding}.render(map_, scene, light, timer);
+        EncodedLightPass<Encoding>{casters, receiver_.scale, encoding}.render(map_, scene, view, timer);
     }
 
     void make_depth_source() {
@@ -200,13 +193,13 @@ private:
         depth_test_ = device_.create_texture("unwarped light depth", desc);
     }
 
-    void draw_depth_source(std::span<const SceneDraw> scene, const scenes::View& light) {
+    void draw_depth_source(std::span<const SceneDraw> scene, const MapView& view) {
         static const CasterPrograms casters = make_caster_programs<PlainEncoding>("depth.cast", "depth.cast-distance");
         const DepthCaster<PlainEncoding> caster{.scale = receiver_.scale};
         const std::array<TargetView, 1> target{depth_source_};
         device_.execute(ClearColor{depth_source_, glm::vec4(1.0f)});
         device_.execute(ClearDepth{depth_test_, 1.0f});
-        draw_casters(device_, scene, light,
+        draw_casters(device_, scene, view,
                      {.programs = casters,
                       .constants = constants_of(caster),
                       .euclidean = caster.scale.euclidean != 0,
@@ -238,12 +231,18 @@ private:
     LvsmReceiver receiver_{};
 };
 
-std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
+std::unique_ptr<MapPasses<LvsmReceiver>> make_map(Device& device, const TechniqueSettings& settings) {
     const int layers = settings.parameters.whole("layers");
     if (layers <= 2) return std::make_unique<LvsmPasses<1>>(device, settings);
     if (layers <= 4) return std::make_unique<LvsmPasses<2>>(device, settings);
     if (layers <= 8) return std::make_unique<LvsmPasses<4>>(device, settings);
     return std::make_unique<LvsmPasses<8>>(device, settings);
+}
+
+std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
+    static const ReceiverPrograms programs = make_receiver_programs<LvsmReceiver>("lvsm.receive", "lvsm.receive-cascades");
+    return make_shadow_passes<LvsmReceiver>(device, settings, programs,
+                                            [&](const TechniqueSettings& of_map) { return make_map(device, of_map); });
 }
 
 void settle(TechniqueSettings& settings) {

@@ -3,6 +3,7 @@
 
 #include "techniques/common/filtered_map.h"
 #include "techniques/common/light_bleeding.h"
+#include "techniques/common/pixel_footprint.h"
 #include "techniques/layers.h"
 
 namespace gnomon::techniques {
@@ -29,7 +30,6 @@ struct LvsmEncoding {
 
 /// Samples the one layer that holds the receiver; near a split also its neighbour, and blends. [Lauritzen08] 4.1, 4.1.3
 struct LvsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     DepthLayers layers{};
@@ -39,20 +39,21 @@ struct LvsmReceiver {
 
     static constexpr auto fields() {
         using R = LvsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting}, Field{"scale", &R::scale},   Field{"map", &R::map},
-                          Field{"layers", &R::layers},     Field{"blends", &R::blends}, Field{"min_variance", &R::min_variance},
+        return std::tuple{Field{"scale", &R::scale},
+                          Field{"map", &R::map},
+                          Field{"layers", &R::layers},
+                          Field{"blends", &R::blends},
+                          Field{"min_variance", &R::min_variance},
                           Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
         const Real depth = receiver_depth(f, at.depth, scale);
         const LayerChoice<Real> chosen = choose_layers(layers, depth);
-        Real bound = bound_in(depth, chosen.layer, map.sample_slice(f, at.uv, floor(chosen.layer * Real(0.5f))));
-        if (blends != 0) bound = blended(f, at.uv, depth, chosen, bound);
-        return shade(f, lighting, at.inside, bleed(bound));
+        Real bound = bound_in(depth, chosen.layer, map.sample_slice(f, at, floor(chosen.layer * Real(0.5f))));
+        if (blends != 0) bound = blended(f, at, depth, chosen, bound);
+        return bleed(bound);
     }
 
 private:
@@ -72,14 +73,14 @@ private:
     }
 
     /// Within the overlap around a split both layers hold the receiver: from one to the other, linear in depth.
-    template <class F, class Real = typename F::Real>
-    Real blended(const F& f, const Vec2<Real>& uv, const Real& depth, const LayerChoice<Real>& chosen,
-                 const Real& bound) const {
+    template <class F, class At, class Real = typename F::Real>
+    Real blended(const F& f, const At& at, const Real& depth, const LayerChoice<Real>& chosen, const Real& bound) const {
         Real result = bound;
-        const Gradients<Real> gradients{{f.ddx(uv.x), f.ddx(uv.y)}, {f.ddy(uv.x), f.ddy(uv.y)}};
+        const PixelFootprint<Real> footprint = pixel_footprint(f, at);
+        const GradientPosition<Real> with_gradients{at.uv, at.depth, at.inside, true, {footprint.dx, footprint.dy}};
         const Mask takes_both = chosen.share > Real(0.0f);
         f.branch(takes_both, [&] {
-            const Vec4<Real> texel = map.sample_slice(f, uv, floor(chosen.neighbour * Real(0.5f)), gradients);
+            const Vec4<Real> texel = map.sample_slice(f, with_gradients, floor(chosen.neighbour * Real(0.5f)));
             const Real beyond = bound_in(depth, chosen.neighbour, texel);
             result = select(takes_both, bound + (beyond - bound) * chosen.share, bound);
         });

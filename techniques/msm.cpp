@@ -23,7 +23,7 @@ std::vector<Parameter> parameters() {
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
     static const CasterPrograms casters = make_caster_programs<MsmEncoding>("msm.cast", "msm.cast-distance");
-    static const Program program = make_program<ReceiverVertex, MsmReceiver>("msm.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<MsmReceiver>("msm.receive", "msm.receive-cascades");
     const ParameterValues& chosen = settings.parameters;
     const MsmEncoding encoding{.storage = {settings.format == Format::Rgba16Unorm ? 1 : 0}};
     const MsmReceiver receiver{.storage = encoding.storage,
@@ -31,8 +31,7 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
                                .depth_offset = chosen.number("depth-offset"),
                                .within_unit = chosen.word<MomentBound>("bound") == MomentBound::Hausdorff ? 1 : 0,
                                .bleed = bleed_reduction(chosen)};
-    return std::make_unique<FilteredMapPasses<MsmEncoding, MsmReceiver>>(device, settings, casters, program, encoding,
-                                                                         receiver);
+    return make_filtered_map_passes(device, settings, casters, programs, encoding, receiver);
 }
 
 }  // namespace

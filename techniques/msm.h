@@ -54,7 +54,6 @@ struct MsmEncoding {
 
 /// Camera pass: filtered moments to visibility. [Peters15] 4.1
 struct MsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     PowerMomentStorage storage{};
@@ -65,8 +64,7 @@ struct MsmReceiver {
 
     static constexpr auto fields() {
         using R = MsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting},
-                          Field{"scale", &R::scale},
+        return std::tuple{Field{"scale", &R::scale},
                           Field{"map", &R::map},
                           Field{"storage", &R::storage},
                           Field{"moment_bias", &R::moment_bias},
@@ -75,14 +73,11 @@ struct MsmReceiver {
                           Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
-        const PowerMoments<Real> moments = biased(storage.restore(map.sample(f, at.uv)), Real(moment_bias));
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
+        const PowerMoments<Real> moments = biased(storage.restore(map.sample(f, at)), Real(moment_bias));
         const Real depth = receiver_depth(f, at.depth, scale) - Real(depth_offset);
-        const Real bound = within_unit != 0 ? hausdorff_upper_bound(moments, depth) : hamburger_upper_bound(moments, depth);
-        return shade(f, lighting, at.inside, bleed(bound));
+        return bleed(within_unit != 0 ? hausdorff_upper_bound(moments, depth) : hamburger_upper_bound(moments, depth));
     }
 };
 

@@ -18,12 +18,12 @@ std::vector<Parameter> parameters() {
 }
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    static const Program program = make_program<ReceiverVertex, PcfReceiver>("pcf.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<PcfReceiver>("pcf.receive", "pcf.receive-cascades");
     const int taps = settings.parameters.whole("taps");
     const PcfReceiver receiver{.sampler = compare_sampler(settings),
                                .taps = taps,
                                .weights = pcf_weights(settings.parameters.word<PcfWeights>("weights"), taps)};
-    return std::make_unique<DepthMapPasses<PcfReceiver>>(device, settings, program, receiver);
+    return make_depth_map_passes(device, settings, programs, receiver);
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ std::vector<Parameter> parameters() {
 }
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    static const Program program = make_program<ReceiverVertex, PcfFootprintReceiver>("pcf-footprint.receive");
+    static const ReceiverPrograms programs =
+        make_receiver_programs<PcfFootprintReceiver>("pcf-footprint.receive", "pcf-footprint.receive-cascades");
     const ParameterValues& chosen = settings.parameters;
     TechniqueSettings isotropic = settings;
     isotropic.anisotropy = 1;  // the shader walks the footprint, not the texture unit
@@ -43,7 +44,7 @@ std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& sett
                                         .density = chosen.number("density"),
                                         .most_taps = chosen.whole("most-taps"),
                                         .follows_plane = chosen.word<PcfReference>("reference") == PcfReference::Plane ? 1 : 0};
-    return std::make_unique<DepthMapPasses<PcfFootprintReceiver>>(device, settings, program, receiver);
+    return make_depth_map_passes(device, settings, programs, receiver);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@ namespace gnomon::techniques {
 /// long each way. "By then taking many samples over the entire filter region and comparing each sampled depth to the reference
 /// depth, compute the percentage of samples that pass." [Lauritzen08] 2.3
 struct PcfFootprintReceiver {
-    Lighting lighting{};
     TextureId map = TextureId::None;
     Sampler sampler{};
     float anisotropy = 16.0f;  // longer side over the shorter at most
@@ -21,28 +20,28 @@ struct PcfFootprintReceiver {
 
     static constexpr auto fields() {
         using R = PcfFootprintReceiver;
-        return std::tuple{Field{"lighting", &R::lighting},       Field{"map", &R::map},
-                          Field{"sampler", &R::sampler},         Field{"anisotropy", &R::anisotropy},
-                          Field{"least_width", &R::least_width}, Field{"density", &R::density},
-                          Field{"most_taps", &R::most_taps},     Field{"follows_plane", &R::follows_plane}};
+        return std::tuple{Field{"map", &R::map},
+                          Field{"sampler", &R::sampler},
+                          Field{"anisotropy", &R::anisotropy},
+                          Field{"least_width", &R::least_width},
+                          Field{"density", &R::density},
+                          Field{"most_taps", &R::most_taps},
+                          Field{"follows_plane", &R::follows_plane}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
         const Vec2<Real> depth_step =
             follows_plane != 0 ? Vec2<Real>{f.ddx(at.depth), f.ddy(at.depth)} : Vec2<Real>{Real(0.0f), Real(0.0f)};
         const PixelFootprint<Real> wide = with_least_width(
-            with_anisotropy_limit(to_texels(pixel_footprint(f, at.uv), f.size(map)), anisotropy), Real(least_width));
-        return shade(f, lighting, at.inside, integrate(f, at, wide, depth_step));
+            with_anisotropy_limit(to_texels(pixel_footprint(f, at), f.size(map)), anisotropy), Real(least_width));
+        return integrate(f, at, wide, depth_step);
     }
 
 private:
     /// The mean over the cells of a footprint, in texels.
-    template <class F, class Real = typename F::Real>
-    Real integrate(const F& f, const MapPosition<Real>& at, const PixelFootprint<Real>& footprint,
-                   const Vec2<Real>& depth_step) const {
+    template <class F, class At, class Real = typename F::Real>
+    Real integrate(const F& f, const At& at, const PixelFootprint<Real>& footprint, const Vec2<Real>& depth_step) const {
         const glm::ivec2 size = f.size(map);
         const Vec2<Real> texel{Real(1.0f / static_cast<float>(size.x)), Real(1.0f / static_cast<float>(size.y))};
         const Int count_x = cells(footprint.dx);

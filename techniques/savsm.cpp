@@ -61,7 +61,7 @@ void settle(TechniqueSettings& settings) {
         settings.parameters.settle("fraction-bits", exact_fraction_bits(desc));
 }
 
-class SavsmPasses final : public ShadowPasses {
+class SavsmPasses final : public MapPasses<SavsmReceiver> {
 public:
     SavsmPasses(Device& device, const TechniqueSettings& settings)
         : map_(device, map_settings(settings)),
@@ -69,21 +69,14 @@ public:
           metric_(settings.parameters.word<DepthMetric>("depth")),
           receiver_(make_receiver(settings, table_)) {}
 
-    void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
+    void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) override {
         static const CasterPrograms casters = make_caster_programs<CentredMoments>("savsm.cast", "savsm.cast-distance");
-        receiver_.scale = make_depth_scale(metric_, light);
-        EncodedLightPass<CentredMoments>{casters, receiver_.scale, receiver_.moments}.render(map_, scene, light, timer);
-        map_.filter(timer);
+        receiver_.scale = make_depth_scale(metric_, view.light);
+        EncodedLightPass<CentredMoments>{casters, receiver_.scale, receiver_.moments}.render(map_, scene, view, timer);
+        map_.filter(view.window, timer);
         timer.pass("table", [&] { table_.build(map_.id()); });
     }
-    [[nodiscard]] const Program& receiver_program() const override {
-        static const Program program = make_program<ReceiverVertex, SavsmReceiver>("savsm.receive");
-        return program;
-    }
-    std::span<const std::byte> receiver_constants(const Lighting& lighting) override {
-        receiver_.lighting = lighting;
-        return constants_of(receiver_);
-    }
+    [[nodiscard]] const SavsmReceiver& receiver() const override { return receiver_; }
     [[nodiscard]] std::vector<TextureId> maps() const override { return {table_.id()}; }
 
 private:
@@ -94,7 +87,10 @@ private:
 };
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    return std::make_unique<SavsmPasses>(device, settings);
+    static const ReceiverPrograms programs = make_receiver_programs<SavsmReceiver>("savsm.receive", "savsm.receive-cascades");
+    return make_shadow_passes<SavsmReceiver>(device, settings, programs, [&](const TechniqueSettings& of_map) {
+        return std::make_unique<SavsmPasses>(device, of_map);
+    });
 }
 
 }  // namespace

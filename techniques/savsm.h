@@ -41,7 +41,6 @@ struct CentredMoments {
 
 /// Camera pass: means of the moments over the pixel's rectangle to visibility.
 struct SavsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     SummedAreaLookup table{};
     CentredMoments moments{};
@@ -53,8 +52,7 @@ struct SavsmReceiver {
 
     static constexpr auto fields() {
         using R = SavsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting},
-                          Field{"scale", &R::scale},
+        return std::tuple{Field{"scale", &R::scale},
                           Field{"table", &R::table},
                           Field{"moments", &R::moments},
                           Field{"anisotropy", &R::anisotropy},
@@ -64,16 +62,14 @@ struct SavsmReceiver {
                           Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
         const glm::ivec2 size = f.size(table.table);
-        const auto footprint = with_anisotropy_limit(to_texels(pixel_footprint(f, at.uv), size), anisotropy);
+        const auto footprint = with_anisotropy_limit(to_texels(pixel_footprint(f, at), size), anisotropy);
         const auto rectangle = bounding_rectangle(footprint, to_texels(at.uv, size), {.least = least_side, .most = most_side});
         const Moments<Real> means = table.mean(f, clamped_to(rectangle, size));
         const Real depth = receiver_depth(f, at.depth, scale) - Real(moments.centre);
-        return shade(f, lighting, at.inside, bleed(chebyshev_upper_bound(means, depth, Real(min_variance))));
+        return bleed(chebyshev_upper_bound(means, depth, Real(min_variance)));
     }
 };
 

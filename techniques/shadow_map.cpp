@@ -12,9 +12,9 @@ constexpr std::array kNearest{MapFilter::Nearest};
 constexpr std::array kBilinear{MapFilter::Bilinear};
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    static const Program program = make_program<ReceiverVertex, CompareReceiver>("shadow-map.receive");
-    return std::make_unique<DepthMapPasses<CompareReceiver>>(device, settings, program,
-                                                             CompareReceiver{.sampler = compare_sampler(settings)});
+    static const ReceiverPrograms programs =
+        make_receiver_programs<CompareReceiver>("shadow-map.receive", "shadow-map.receive-cascades");
+    return make_depth_map_passes(device, settings, programs, CompareReceiver{.sampler = compare_sampler(settings)});
 }
 
 }  // namespace
@@ -36,5 +36,15 @@ const Technique kPcfHardware{.name = "pcf-hw",
                              .parameters = depth_map_parameters(),
                              .default_slope_bias = 3.0f,
                              .make = make};
+
+const Technique kPssm{.name = "pssm",
+                      .summary = "parallel-split shadow maps: one comparison in the map of the fragment's split",
+                      .source = "[Zhang06], [Lauritzen06]",
+                      .formats = kFormats,
+                      .filters = kNearest,
+                      .parameters = depth_map_parameters(),
+                      .default_cascades = 4,
+                      .default_slope_bias = 2.0f,
+                      .make = make};
 
 }  // namespace gnomon::techniques

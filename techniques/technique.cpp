@@ -66,11 +66,21 @@ MapFilter choose_filter(const Technique& technique, const TechniqueRequest& requ
     return *other;
 }
 
+/// The technique's own parameters, and those of splits where it has any.
+ParameterValues parameter_values(const Technique& technique, int cascades, const ParameterTexts& set) {
+    if (cascades > 0) return {technique.name, technique.parameters + cascade_parameters(), set};
+    for (const auto& [name, text] : set)
+        if (std::ranges::find(cascade_parameters(), name, &Parameter::name) != cascade_parameters().end())
+            fail("--set {}={}: {} has no splits here; expected --cascades 1 to {} with it", name, text, technique.name,
+                 kMaxCascades);
+    return {technique.name, technique.parameters, set};
+}
+
 }  // namespace
 
 std::span<const Technique> all_techniques() {
-    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm, kSavsm,
-                                       kLvsm,      kEsm,         kEvsm2, kEvsm4,       kCsm,          kMsm};
+    static const std::array techniques{kShadowMap, kPcfHardware, kPcf,   kPcfBilinear, kPcfFootprint, kVsm,  kSavsm, kLvsm,
+                                       kEsm,       kEvsm2,       kEvsm4, kCsm,         kMsm,          kPssm, kPsvsm};
     return techniques;
 }
 
@@ -94,32 +104,37 @@ TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRe
     if (anisotropy < 1 || anisotropy > 16) fail("--aniso {}: expected 1 to 16", anisotropy);
     if (anisotropy > 1 && filter == MapFilter::ShaderBilinear)
         fail("--aniso {}: {} is one sample in the shader; expected 1", anisotropy, name_of(filter));
+    const int cascades = request.cascades.value_or(technique.default_cascades);
+    if (cascades < 0 || cascades > kMaxCascades) fail("--cascades {}: expected 0 to {}", cascades, kMaxCascades);
     TechniqueSettings settings{.map_size = request.map_size,
                                .map_samples = request.map_samples,
                                .format = format,
                                .filter = filter,
                                .anisotropy = anisotropy,
+                               .cascades = cascades,
                                .depth_bias = request.depth_bias.value_or(technique.default_depth_bias),
                                .slope_bias = request.slope_bias.value_or(technique.default_slope_bias),
-                               .parameters = ParameterValues(technique.name, technique.parameters, request.set)};
+                               .parameters = parameter_values(technique, cascades, request.set)};
     if (technique.settle != nullptr) technique.settle(settings);
     return settings;
 }
 
-double storage_per_texel(const Device& device, std::span<const TextureId> maps, int map_size) {
+double storage_per_texel(const Device& device, std::span<const TextureId> maps, const TechniqueSettings& settings) {
     double bits = 0;
     for (const TextureId id : maps) {
         const Texture& texture = device.texture(id);
-        const double texels = 1.0 * texture.width(0) * texture.height(0) * texture.desc().layers;
-        bits += texels * texture.info().components * texture.info().bits_per_component;
+        const double held = 1.0 * texture.width(0) * texture.height(0) * texture.desc().layers;
+        bits += held * texture.info().components * texture.info().bits_per_component;
     }
-    return bits / (8.0 * map_size * map_size);
+    double texels = 0;
+    for (const int size : map_sizes(settings)) texels += 1.0 * size * size;
+    return bits / (8.0 * texels);
 }
 
 double storage_per_texel(const Technique& technique, const TechniqueSettings& settings) {
     Device device(Profile{}, 1);
     const auto passes = technique.make(device, settings);
-    return storage_per_texel(device, passes->maps(), settings.map_size);
+    return storage_per_texel(device, passes->maps(), settings);
 }
 
 }  // namespace gnomon::techniques

@@ -3,6 +3,7 @@
 
 #include "pipeline/device.h"
 #include "scenes/view.h"
+#include "techniques/common/cascades.h"
 #include "techniques/common/parameters.h"
 #include "techniques/common/pass_timer.h"
 #include "techniques/common/receiver.h"
@@ -43,6 +44,7 @@ struct TechniqueRequest {
     std::optional<Format> format{};
     std::optional<MapFilter> filter{};
     std::optional<int> anisotropy{};  // 1 to 16
+    std::optional<int> cascades{};    // maps, one per split of the view frustum; 0: one map of all that the light sees
     std::optional<int> depth_bias{};
     std::optional<float> slope_bias{};
     ParameterTexts set{};
@@ -55,6 +57,7 @@ struct TechniqueSettings {
     Format format = Format::D32Float;
     MapFilter filter = MapFilter::Nearest;
     int anisotropy = 1;  // limit of the ratio of a filter's axes
+    int cascades = 0;    // 0: one map of all that the light sees
     int depth_bias = 0;  // rasteriser state of the light pass. D3D11.3 15.10
     float slope_bias = 0.0f;
     ParameterValues parameters{};
@@ -63,21 +66,32 @@ struct TechniqueSettings {
     [[nodiscard]] RasterState light_raster() const { return {.depth_bias = depth_bias, .slope_scaled_depth_bias = slope_bias}; }
 };
 
+/// What a frame shows, as passes see it.
+struct FrameView {
+    std::span<const SceneDraw> scene;
+    const scenes::View& camera;
+    const scenes::View& light;
+    int width;  // of the image, pixels
+    int height;
+};
+
 /// The passes of one technique on one device. Created once, run every frame.
 class ShadowPasses {
 public:
     virtual ~ShadowPasses() = default;
 
-    /// Light pass and whatever follows it until the map is ready to be sampled.
-    virtual void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) = 0;
+    /// Light pass and whatever follows it until the maps are ready to be sampled.
+    virtual void render_maps(const FrameView& frame, PassTimer& timer) = 0;
 
     /// The program of the camera pass (a ReceiverVertex and the technique's pixel functor) and its pixel constants for an
     /// object. The span is valid until the next call.
     [[nodiscard]] virtual const Program& receiver_program() const = 0;
     virtual std::span<const std::byte> receiver_constants(const Lighting& lighting) = 0;
 
-    /// The textures that receivers sample.
+    /// The textures that receivers sample, those of one cascade after those of another.
     [[nodiscard]] virtual std::vector<TextureId> maps() const = 0;
+    /// Splits and windows of the last render_maps(); null where there is one map.
+    [[nodiscard]] virtual const Cascades* cascades() const = 0;
 };
 
 struct Technique {
@@ -88,6 +102,7 @@ struct Technique {
     std::span<const MapFilter> filters;  // first is the default
     std::vector<Parameter> parameters{};
     int default_anisotropy = 1;
+    int default_cascades = 0;
     int default_depth_bias = 0;
     float default_slope_bias = 0.0f;
     /// What a parameter comes to once everything else is known, as limits of the format and values that stand for "by format";
@@ -95,6 +110,12 @@ struct Technique {
     void (*settle)(TechniqueSettings& settings) = nullptr;
     std::unique_ptr<ShadowPasses> (*make)(Device& device, const TechniqueSettings& settings) = nullptr;
 };
+
+/// Texels per side of every map: one, or one per cascade.
+std::vector<int> map_sizes(const TechniqueSettings& settings);
+
+/// The parameters that every technique takes beside its own where it has cascades.
+const std::vector<Parameter>& cascade_parameters();
 
 /// All techniques, in the order of `gnomon list techniques`.
 std::span<const Technique> all_techniques();
@@ -107,8 +128,9 @@ const Technique& find_technique(std::string_view name);
 TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRequest& request,
                                    const Profile& profile = Profile{});
 
-/// Bytes per texel of level 0 of what receivers sample: all components of all textures and slices of a technique.
-double storage_per_texel(const Device& device, std::span<const TextureId> maps, int map_size);
+/// Bytes per texel of level 0 of what receivers sample: all components of all textures and slices of a technique, over the
+/// texels of its maps.
+double storage_per_texel(const Device& device, std::span<const TextureId> maps, const TechniqueSettings& settings);
 /// The same of a technique that is on no device yet.
 double storage_per_texel(const Technique& technique, const TechniqueSettings& settings);
 

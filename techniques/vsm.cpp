@@ -17,14 +17,13 @@ std::vector<Parameter> parameters() {
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
     static const CasterPrograms casters = make_caster_programs<VsmEncoding>("vsm.cast", "vsm.cast-distance");
-    static const Program program = make_program<ReceiverVertex, VsmReceiver>("vsm.receive");
+    static const ReceiverPrograms programs = make_receiver_programs<VsmReceiver>("vsm.receive", "vsm.receive-cascades");
     const ParameterValues& chosen = settings.parameters;
     const bool splits = settings.format == Format::Rgba16Float;
     const VsmEncoding encoding{.split = {splits ? static_cast<float>(1 << chosen.whole("split-bits")) : 0.0f}};
     const VsmReceiver receiver{
         .split = encoding.split, .min_variance = chosen.number("min-variance"), .bleed = bleed_reduction(chosen)};
-    return std::make_unique<FilteredMapPasses<VsmEncoding, VsmReceiver>>(device, settings, casters, program, encoding,
-                                                                         receiver);
+    return make_filtered_map_passes(device, settings, casters, programs, encoding, receiver);
 }
 
 }  // namespace
@@ -36,5 +35,14 @@ const Technique kVsm{.name = "vsm",
                      .filters = kFilters,
                      .parameters = parameters(),
                      .make = make};
+
+const Technique kPsvsm{.name = "psvsm",
+                       .summary = "parallel-split variance shadow maps: vsm in the map of the fragment's split",
+                       .source = "[Lauritzen06]",
+                       .formats = kFormats,
+                       .filters = kFilters,
+                       .parameters = parameters(),
+                       .default_cascades = 4,
+                       .make = make};
 
 }  // namespace gnomon::techniques

@@ -21,7 +21,6 @@ struct VsmEncoding {
 
 /// Camera pass: filtered moments to visibility. [Donnelly06] section 4, step 4
 struct VsmReceiver {
-    Lighting lighting{};
     DepthScale scale{};
     MapLookup map{};
     MomentSplit split{};
@@ -30,24 +29,19 @@ struct VsmReceiver {
 
     static constexpr auto fields() {
         using R = VsmReceiver;
-        return std::tuple{Field{"lighting", &R::lighting},
-                          Field{"scale", &R::scale},
-                          Field{"map", &R::map},
-                          Field{"split", &R::split},
-                          Field{"min_variance", &R::min_variance},
-                          Field{"bleed", &R::bleed}};
+        return std::tuple{Field{"scale", &R::scale}, Field{"map", &R::map}, Field{"split", &R::split},
+                          Field{"min_variance", &R::min_variance}, Field{"bleed", &R::bleed}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
-        const Moments<Real> moments = split.restore(map.sample(f, at.uv));
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
+        const Moments<Real> moments = split.restore(map.sample(f, at));
         const Real depth = receiver_depth(f, at.depth, scale);
-        return shade(f, lighting, at.inside, bleed(chebyshev_upper_bound(moments, depth, Real(min_variance))));
+        return bleed(chebyshev_upper_bound(moments, depth, Real(min_variance)));
     }
 };
 
 extern const Technique kVsm;
+extern const Technique kPsvsm;  // kVsm with a map for each of four splits. [Lauritzen06]
 
 }  // namespace gnomon::techniques

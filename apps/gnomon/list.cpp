@@ -42,6 +42,19 @@ std::string storage_of(const techniques::Technique& technique) {
     return all;
 }
 
+void list_parameters(std::span<const techniques::Parameter> parameters, bool verbose) {
+    if (!verbose) {
+        std::string set;
+        for (const techniques::Parameter& p : parameters)
+            set += fmt::format("{}{}={}", set.empty() ? "" : ", ", p.name, techniques::text_of(p, p.standard));
+        if (!set.empty()) fmt::print("  {:<14} --set    {}\n", "", set);
+        return;
+    }
+    for (const techniques::Parameter& p : parameters)
+        fmt::print("  {:<14} --set {}={}: {}; {}\n", "", p.name, techniques::text_of(p, p.standard), p.summary,
+                   techniques::range_of(p));
+}
+
 void list_techniques(bool verbose) {
     fmt::print("techniques (--technique; 'all' is every one; defaults come first{})\n",
                verbose ? "" : "; --verbose explains the parameters");
@@ -49,19 +62,13 @@ void list_techniques(bool verbose) {
         fmt::print("  {:<14} {}\n", t.name, t.summary);
         fmt::print("  {:<14} source   {}\n", "", t.source);
         fmt::print("  {:<14} --format {} (bytes per texel of the map)\n", "", storage_of(t));
-        fmt::print("  {:<14} --filter {}; --aniso {} (1 to 16)\n", "", joined(t.filters), t.default_anisotropy);
+        fmt::print("  {:<14} --filter {}; --aniso {} (1 to 16); --cascades {} (0 to {})\n", "", joined(t.filters),
+                   t.default_anisotropy, t.default_cascades, techniques::kMaxCascades);
         fmt::print("  {:<14} --depth-bias {}, --slope-bias {}\n", "", t.default_depth_bias, t.default_slope_bias);
-        if (!verbose) {
-            std::string set;
-            for (const techniques::Parameter& p : t.parameters)
-                set += fmt::format("{}{}={}", set.empty() ? "" : ", ", p.name, techniques::text_of(p, p.standard));
-            if (!set.empty()) fmt::print("  {:<14} --set    {}\n", "", set);
-            continue;
-        }
-        for (const techniques::Parameter& p : t.parameters)
-            fmt::print("  {:<14} --set {}={}: {}; {}\n", "", p.name, techniques::text_of(p, p.standard), p.summary,
-                       techniques::range_of(p));
+        list_parameters(t.parameters, verbose);
     }
+    fmt::print("  with --cascades N every technique takes besides\n");
+    list_parameters(techniques::cascade_parameters(), verbose);
 }
 
 void list_profiles(bool verbose) {

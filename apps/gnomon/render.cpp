@@ -179,7 +179,7 @@ void add_technique_options(CLI::App& command, RenderOptions& options) {
         ->type_name("NAME|all")
         ->required()
         ->group(kGroup);
-    add("--map", "N", "Shadow map in texels per side, 1 to 16384 [1024]",
+    add("--map", "N", "Shadow map in texels per side, of each split where there are several, 1 to 16384 [1024]",
         [&choices](const std::string& text) { choices.map_size = parse_int(text, "--map", 1, kMaxTextureSize); });
     add("--format", "F", "Texel format of the map (gnomon list formats)",
         [&choices](const std::string& text) { choices.format = enum_from_name<Format>(text, "--format"); });
@@ -187,6 +187,8 @@ void add_technique_options(CLI::App& command, RenderOptions& options) {
         [&choices](const std::string& text) { choices.filter = enum_from_name<techniques::MapFilter>(text, "--filter"); });
     add("--aniso", "N", "Limit of the anisotropy of the filter, 1 to 16",
         [&choices](const std::string& text) { choices.anisotropy = parse_int(text, "--aniso", 1, 16); });
+    add("--cascades", "N", "Maps, one for each split of the view frustum, 1 to 8; 0: one map of all that the light sees",
+        [&choices](const std::string& text) { choices.cascades = parse_int(text, "--cascades", 0, techniques::kMaxCascades); });
     add("--map-samples", "N", "Samples per texel of the light pass, 1 to 16 [1]",
         [&choices](const std::string& text) { choices.map_samples = parse_int(text, "--map-samples", 1, 16); });
     command

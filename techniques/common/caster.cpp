@@ -12,10 +12,9 @@ const Program& depth_program() {
     return program;
 }
 
-void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, TextureId depth,
+void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const glm::mat4& clip_from_world, TextureId depth,
                     const RasterState& raster) {
     device.execute(ClearDepth{depth, 1.0f});
-    const glm::mat4 clip_from_world = light.clip_from_world();
     for (const SceneDraw& object : scene) {
         const DepthVertex vertex{.clip_from_object = clip_from_world * object.world_from_object};
         device.execute(Draw{.label = object.label,
@@ -29,12 +28,12 @@ void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const scen
     }
 }
 
-void draw_casters(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, const CasterPass& pass) {
-    const glm::mat4 clip_from_world = light.clip_from_world();
+void draw_casters(Device& device, std::span<const SceneDraw> scene, const MapView& view, const CasterPass& pass) {
+    const glm::mat4 clip_from_world = view.clip_from_world();
     for (const SceneDraw& object : scene) {
         const glm::mat4 clip_from_object = clip_from_world * object.world_from_object;
         const CasterVertex plane{.clip_from_object = clip_from_object,
-                                 .light = make_light_space(light, object.world_from_object)};
+                                 .light = make_light_space(view.light, object.world_from_object)};
         const DistanceCasterVertex distance{.clip_from_object = clip_from_object,
                                             .world_from_object = object.world_from_object};
         Draw draw{.label = object.label,

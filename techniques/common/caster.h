@@ -3,9 +3,9 @@
 
 #include "pipeline/device.h"
 #include "pipeline/vertex_stage.h"
-#include "scenes/view.h"
 #include "techniques/common/depth_metric.h"
 #include "techniques/common/light_space.h"
+#include "techniques/common/map_window.h"
 #include "techniques/common/scene_resources.h"
 
 #include <span>
@@ -118,8 +118,8 @@ struct CasterPrograms {
 /// Depth-only program "depth": a DepthVertex and no pixel functor.
 const Program& depth_program();
 
-/// Draws every object of the scene into a depth texture (cleared first), as seen from the light.
-void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, TextureId depth,
+/// Draws every object of the scene into a depth texture (cleared first).
+void draw_depth_map(Device& device, std::span<const SceneDraw> scene, const glm::mat4& clip_from_world, TextureId depth,
                     const RasterState& raster);
 
 /// A light pass with colour targets; everything is cleared before.
@@ -132,6 +132,6 @@ struct CasterPass {
     RasterState raster{};
     Viewport viewport{};
 };
-void draw_casters(Device& device, std::span<const SceneDraw> scene, const scenes::View& light, const CasterPass& pass);
+void draw_casters(Device& device, std::span<const SceneDraw> scene, const MapView& view, const CasterPass& pass);
 
 }  // namespace gnomon::techniques

@@ -58,8 +58,10 @@ DepthMap::DepthMap(Device& device, const TechniqueSettings& settings)
     samples_ = device.create_texture("shadow map samples", multisampled);
 }
 
-void DepthMap::render(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) const {
-    timer.pass("light", [&] { draw_depth_map(device_, scene, light, samples_ == TextureId::None ? map_ : samples_, raster_); });
+void DepthMap::render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) const {
+    timer.pass("light", [&] {
+        draw_depth_map(device_, scene, view.clip_from_world(), samples_ == TextureId::None ? map_ : samples_, raster_);
+    });
     if (samples_ != TextureId::None) timer.pass("resolve", [&] { resolve(); });
 }
 

@@ -3,7 +3,7 @@
 
 #include "techniques/common/caster.h"
 #include "techniques/common/full_screen.h"
-#include "techniques/technique.h"
+#include "techniques/common/map_passes.h"
 
 namespace gnomon::techniques {
 
@@ -33,7 +33,7 @@ class DepthMap {
 public:
     DepthMap(Device& device, const TechniqueSettings& settings);
 
-    void render(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) const;
+    void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) const;
     [[nodiscard]] TextureId id() const { return map_; }
 
 private:
@@ -47,29 +47,33 @@ private:
     FullScreen full_screen_;
 };
 
-/// `Receiver` has members lighting and map, a TextureId.
+/// `Receiver` has a member map, a TextureId.
 template <class Receiver>
-class DepthMapPasses final : public ShadowPasses {
+class DepthMapPasses final : public MapPasses<Receiver> {
 public:
-    DepthMapPasses(Device& device, const TechniqueSettings& settings, const Program& program, const Receiver& receiver)
-        : map_(device, settings), program_(program), receiver_(receiver) {
+    DepthMapPasses(Device& device, const TechniqueSettings& settings, const Receiver& receiver)
+        : map_(device, settings), receiver_(receiver) {
         receiver_.map = map_.id();
     }
 
-    void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
-        map_.render(scene, light, timer);
+    void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) override {
+        map_.render(scene, view, timer);
     }
-    [[nodiscard]] const Program& receiver_program() const override { return program_; }
-    std::span<const std::byte> receiver_constants(const Lighting& lighting) override {
-        receiver_.lighting = lighting;
-        return constants_of(receiver_);
-    }
+    [[nodiscard]] const Receiver& receiver() const override { return receiver_; }
     [[nodiscard]] std::vector<TextureId> maps() const override { return {map_.id()}; }
 
 private:
     DepthMap map_;
-    const Program& program_;
     Receiver receiver_;
 };
+
+/// The passes of a technique whose maps hold plain depths.
+template <class Receiver>
+std::unique_ptr<ShadowPasses> make_depth_map_passes(Device& device, const TechniqueSettings& settings,
+                                                    const ReceiverPrograms& programs, const Receiver& receiver) {
+    return make_shadow_passes<Receiver>(device, settings, programs, [&](const TechniqueSettings& of_map) {
+        return std::make_unique<DepthMapPasses<Receiver>>(device, of_map, receiver);
+    });
+}
 
 }  // namespace gnomon::techniques

@@ -48,7 +48,7 @@ std::vector<Parameter> filtered_map_parameters() {
 FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int slices, const MomentSplit& split)
     : device_(device),
       settings_(settings),
-      kernel_(gaussian_kernel(settings.parameters.whole("blur"))),
+      blur_(settings.parameters.whole("blur")),
       split_(split),
       slices_(slices),
       band_rows_(rows_per_band(settings, slices)),
@@ -68,8 +68,7 @@ FilteredMap::FilteredMap(Device& device, const TechniqueSettings& settings, int 
     if (settings.map_samples > 1) samples_ = device.create_texture("map samples", desc);
     depth_ = device.create_texture(
         "light depth", {.format = Format::D32Float, .width = size, .height = band_rows_, .samples = settings.map_samples});
-    if (kernel_.taps > 1)
-        scratch_ = device.create_texture("blur scratch", {.format = settings.format, .width = size, .height = size});
+    if (blur_ > 1) scratch_ = device.create_texture("blur scratch", {.format = settings.format, .width = size, .height = size});
 }
 
 MapLookup FilteredMap::lookup() const {
@@ -83,7 +82,7 @@ MapLookup FilteredMap::lookup() const {
             .in_shader = settings_.filter == MapFilter::ShaderBilinear ? 1 : 0};
 }
 
-void FilteredMap::draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+void FilteredMap::draw(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
                        const LightTarget& target) const {
     std::vector<TargetView> colors;
     colors.reserve(static_cast<std::size_t>(slices_));
@@ -93,7 +92,7 @@ void FilteredMap::draw(std::span<const SceneDraw> scene, const scenes::View& lig
     }
     device_.execute(ClearDepth{depth_, 1.0f});
     const auto size = static_cast<float>(settings_.map_size);
-    draw_casters(device_, scene, light,
+    draw_casters(device_, scene, view,
                  {.programs = content.programs,
                   .constants = content.constants,
                   .euclidean = content.euclidean,
@@ -116,31 +115,33 @@ void FilteredMap::resolve(int first_row) const {
     }
 }
 
-void FilteredMap::render(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+void FilteredMap::render(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
                          PassTimer& timer) const {
     if (samples_ == TextureId::None) {
-        timer.pass("light", [&] { draw(scene, light, content, {.color = map_}); });
+        timer.pass("light", [&] { draw(scene, view, content, {.color = map_}); });
         return;
     }
     if (resolved_ == TextureId::None) {
-        timer.pass("light", [&] { draw(scene, light, content, {.color = samples_}); });
+        timer.pass("light", [&] { draw(scene, view, content, {.color = samples_}); });
         timer.pass("resolve", [&] { resolve(0); });
         return;
     }
     timer.pass("light and resolve", [&] {
         for (int row = 0; row < settings_.map_size; row += band_rows_) {
-            draw(scene, light, content, {.color = samples_, .first_row = row});
+            draw(scene, view, content, {.color = samples_, .first_row = row});
             resolve(row);
         }
     });
 }
 
-void FilteredMap::filter(PassTimer& timer) const {
-    if (scratch_ != TextureId::None)
+void FilteredMap::filter(const MapWindow& window, PassTimer& timer) const {
+    if (scratch_ != TextureId::None) {
+        const BlurKernels kernels = zoomed_kernels(blur_, window.zoom());
         timer.pass("blur", [&] {
             for (int slice = 0; slice < slices_; ++slice)
-                blur(full_screen_, kernel_, TargetView(map_, 0, slice), scratch_, split_);
+                blur(full_screen_, kernels, TargetView(map_, 0, slice), scratch_, split_);
         });
+    }
     if (device_.texture(map_).desc().levels > 1) timer.pass("mips", [&] { device_.execute(GenerateMips{map_}); });
 }
 

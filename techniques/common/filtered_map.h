@@ -3,7 +3,7 @@
 
 #include "techniques/common/caster.h"
 #include "techniques/common/gaussian.h"
-#include "techniques/technique.h"
+#include "techniques/common/map_passes.h"
 
 namespace gnomon::techniques {
 
@@ -18,23 +18,17 @@ struct MapLookup {
         return std::tuple{Field{"texture", &M::texture}, Field{"sampler", &M::sampler}, Field{"in_shader", &M::in_shader}};
     }
 
-    /// Implicit derivatives come from the quad.
-    template <class F, class Real = typename F::Real>
-    Vec4<Real> sample(const F& f, const Vec2<Real>& uv) const {
-        if (in_shader == 0) return f.sample(texture, sampler, uv);
-        return bilinear(f.size(texture), uv, [&](Int x, Int y) { return f.load(texture, x, y); });
+    /// `at` is a MapPosition or a GradientPosition (receiver.h).
+    template <class F, class At>
+    auto sample(const F& f, const At& at) const {
+        if (in_shader == 0) return sample_at(f, texture, sampler, at, at.uv);
+        return bilinear(f.size(texture), at.uv, [&](Int x, Int y) { return f.load(texture, x, y); });
     }
     /// The same of one slice of an array, which may differ from lane to lane; derivatives are of uv alone.
-    template <class F, class Real = typename F::Real>
-    Vec4<Real> sample_slice(const F& f, const Vec2<Real>& uv, const Real& slice) const {
-        if (in_shader == 0) return f.sample(texture, sampler, Vec3<Real>{uv.x, uv.y, slice});
-        return bilinear_slice(f, uv, slice);
-    }
-    /// ... with derivatives that the shader brings along.
-    template <class F, class Real = typename F::Real>
-    Vec4<Real> sample_slice(const F& f, const Vec2<Real>& uv, const Real& slice, const Gradients<Real>& gradients) const {
-        if (in_shader == 0) return f.sample_gradient(texture, sampler, Vec3<Real>{uv.x, uv.y, slice}, gradients);
-        return bilinear_slice(f, uv, slice);
+    template <class F, class At, class Real = typename F::Real>
+    Vec4<Real> sample_slice(const F& f, const At& at, const Real& slice) const {
+        if (in_shader == 0) return sample_at(f, texture, sampler, at, Vec3<Real>{at.uv.x, at.uv.y, slice});
+        return bilinear_slice(f, at.uv, slice);
     }
 
 private:
@@ -88,10 +82,11 @@ public:
     FilteredMap(Device& device, const TechniqueSettings& settings, int slices = 1, const MomentSplit& split = {});
 
     /// Draws the scene into every slice, and resolves where there are several samples.
-    void render(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+    void render(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
                 PassTimer& timer) const;
-    /// Blurs and makes mips, as the settings ask.
-    void filter(PassTimer& timer) const;
+    /// Blurs and makes mips, as the settings ask. The kernel grows with the zoom of the window, so that shadows in every window
+    /// are as soft. [Lauritzen06] steps 2d, 2e
+    void filter(const MapWindow& window, PassTimer& timer) const;
 
     [[nodiscard]] TextureId id() const { return map_; }
     [[nodiscard]] MapLookup lookup() const;
@@ -102,14 +97,14 @@ private:
         TextureId color = TextureId::None;
         int first_row = 0;
     };
-    void draw(std::span<const SceneDraw> scene, const scenes::View& light, const FilteredMapContent& content,
+    void draw(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
               const LightTarget& target) const;
     /// The mean of the samples of a band into the rows of the map that it stands for.
     void resolve(int first_row) const;
 
     Device& device_;
     TechniqueSettings settings_;
-    GaussianKernel kernel_;
+    int blur_;  // taps per axis where nothing is zoomed in on
     MomentSplit split_;
     int slices_;
     int band_rows_;  // what the textures of the light pass hold at a time: the whole map, unless its samples are too many
@@ -145,11 +140,11 @@ struct EncodedLightPass {
     DepthScale scale;
     Encoding encoding;
 
-    void render(const FilteredMap& map, std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) const {
+    void render(const FilteredMap& map, std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) const {
         const DepthCaster<Encoding> caster{.scale = scale, .encoding = encoding};
         const auto nothing = encoding_of_nothing(encoding);
         map.render(
-            scene, light,
+            scene, view,
             {.programs = programs, .constants = constants_of(caster), .euclidean = scale.euclidean != 0, .nothing = nothing},
             timer);
     }
@@ -165,43 +160,47 @@ MomentSplit split_of(const Encoding& encoding) {
     }
 }
 
-/// The passes of a technique with one filtered map: an `Encoding` of depth in, a `Receiver` with members lighting, map (a
-/// MapLookup) and scale (a DepthScale).
+/// The passes of one filtered map: an `Encoding` of depth in, a `Receiver` with members map (a MapLookup) and scale (a
+/// DepthScale).
 template <class Encoding, class Receiver>
-class FilteredMapPasses final : public ShadowPasses {
+class FilteredMapPasses final : public MapPasses<Receiver> {
 public:
     static constexpr int kSlices = static_cast<int>(std::tuple_size_v<decltype(encoding_of_nothing(Encoding{}))>);
 
-    FilteredMapPasses(Device& device, const TechniqueSettings& settings, const CasterPrograms& casters, const Program& program,
+    FilteredMapPasses(Device& device, const TechniqueSettings& settings, const CasterPrograms& casters,
                       const Encoding& encoding, const Receiver& receiver)
         : map_(device, settings, kSlices, split_of(encoding)),
           metric_(settings.parameters.word<DepthMetric>("depth")),
           casters_(casters),
-          program_(program),
           encoding_(encoding),
           receiver_(receiver) {
         receiver_.map = map_.lookup();
     }
 
-    void render_map(std::span<const SceneDraw> scene, const scenes::View& light, PassTimer& timer) override {
-        receiver_.scale = make_depth_scale(metric_, light);
-        EncodedLightPass<Encoding>{casters_, receiver_.scale, encoding_}.render(map_, scene, light, timer);
-        map_.filter(timer);
+    void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) override {
+        receiver_.scale = make_depth_scale(metric_, view.light);
+        EncodedLightPass<Encoding>{casters_, receiver_.scale, encoding_}.render(map_, scene, view, timer);
+        map_.filter(view.window, timer);
     }
-    [[nodiscard]] const Program& receiver_program() const override { return program_; }
-    std::span<const std::byte> receiver_constants(const Lighting& lighting) override {
-        receiver_.lighting = lighting;
-        return constants_of(receiver_);
-    }
+    [[nodiscard]] const Receiver& receiver() const override { return receiver_; }
     [[nodiscard]] std::vector<TextureId> maps() const override { return {map_.id()}; }
 
 private:
     FilteredMap map_;
     DepthMetric metric_;
     const CasterPrograms& casters_;
-    const Program& program_;
     Encoding encoding_;
     Receiver receiver_;
 };
+
+/// The passes of a technique whose maps hold what an encoding makes of depth.
+template <class Encoding, class Receiver>
+std::unique_ptr<ShadowPasses> make_filtered_map_passes(Device& device, const TechniqueSettings& settings,
+                                                       const CasterPrograms& casters, const ReceiverPrograms& programs,
+                                                       const Encoding& encoding, const Receiver& receiver) {
+    return make_shadow_passes<Receiver>(device, settings, programs, [&](const TechniqueSettings& of_map) {
+        return std::make_unique<FilteredMapPasses<Encoding, Receiver>>(device, of_map, casters, encoding, receiver);
+    });
+}
 
 }  // namespace gnomon::techniques

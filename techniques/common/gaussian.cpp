@@ -3,7 +3,9 @@
 
 #include "pipeline/program.h"
 #include "sim/scalar_math.h"
+#include "sim/warn.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gnomon::techniques {
@@ -25,17 +27,29 @@ GaussianKernel gaussian_kernel(double width) {
     return kernel;
 }
 
-void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch,
+BlurKernels zoomed_kernels(int taps, const glm::dvec2& zoom) {
+    const auto kernel = [&](double factor) {
+        const double width = 1.0 + (taps - 1) * factor;
+        if (width > kMaxBlurTaps)
+            warn_once(fmt::format("blur {}: where a split would need more than {} taps per axis its shadows are less soft",
+                                  taps, kMaxBlurTaps));
+        return gaussian_kernel(std::min(width, static_cast<double>(kMaxBlurTaps)));
+    };
+    return {kernel(zoom.x), kernel(zoom.y)};
+}
+
+void blur(const FullScreen& full_screen, const BlurKernels& kernels, TargetView texture, TextureId scratch,
           const MomentSplit& split) {
     static const Program program = make_program<FullScreenVertex, GaussianBlur>("gaussian-blur");
     GaussianBlur rows{.source = texture.texture,
                       .slice = texture.first_layer,
-                      .taps = kernel.taps,
-                      .weights = kernel.weights,
+                      .taps = kernels.rows.taps,
+                      .weights = kernels.rows.weights,
                       .split = split};
     const std::array<TargetView, 1> to_scratch{scratch};
     full_screen.run("blur rows", program, rows, to_scratch);
-    GaussianBlur columns{.source = scratch, .columns = 1, .taps = kernel.taps, .weights = kernel.weights, .split = split};
+    GaussianBlur columns{
+        .source = scratch, .columns = 1, .taps = kernels.columns.taps, .weights = kernels.columns.weights, .split = split};
     const std::array<TargetView, 1> to_texture{texture};
     full_screen.run("blur columns", program, columns, to_texture);
 }

@@ -20,6 +20,16 @@ struct GaussianKernel {
 /// as where a kernel is scaled with the resolution of its map, takes as many taps as the next odd one. `width` >= 1.
 GaussianKernel gaussian_kernel(double width);
 
+/// One along the rows and one along the columns.
+struct BlurKernels {
+    GaussianKernel rows;
+    GaussianKernel columns;
+};
+
+/// Kernels of `taps` texels where the zoom is 1 whose standard deviation grows with the zoom, as [Lauritzen06] step 2d scales
+/// them: width 1 + (taps - 1) zoom texels, at least 1. Wider than kMaxBlurTaps they are cut, with a warning.
+BlurKernels zoomed_kernels(int taps, const glm::dvec2& zoom);
+
 /// Weighted sum of a row or column of texels of one slice, clamped at the edges.
 struct GaussianBlur {
     TextureId source = TextureId::None;
@@ -55,7 +65,7 @@ struct GaussianBlur {
 };
 
 /// Blurs level 0 of one slice of `texture` in place, through `scratch` (same size and format, one slice).
-void blur(const FullScreen& full_screen, const GaussianKernel& kernel, TargetView texture, TextureId scratch,
+void blur(const FullScreen& full_screen, const BlurKernels& kernels, TargetView texture, TextureId scratch,
           const MomentSplit& split = {});
 
 }  // namespace gnomon::techniques

@@ -5,6 +5,7 @@
 #include "sim/lanes.h"
 #include "sim/math.h"
 #include "sim/vec.h"
+#include "techniques/common/receiver.h"
 
 #include <glm/vec2.hpp>
 
@@ -21,6 +22,16 @@ struct PixelFootprint {
 template <class F, class Real = typename F::Real>
 PixelFootprint<Real> pixel_footprint(const F& f, const Vec2<Real>& uv) {
     return {{f.ddx(uv.x), f.ddx(uv.y)}, {f.ddy(uv.x), f.ddy(uv.y)}};
+}
+/// Of a position in a map: the derivatives that it brings along, or the quad's.
+template <class F, class Real = typename F::Real>
+PixelFootprint<Real> pixel_footprint(const F& f, const MapPosition<Real>& at) {
+    return pixel_footprint(f, at.uv);
+}
+template <class F, class Real = typename F::Real>
+PixelFootprint<Real> pixel_footprint(const F& f, const GradientPosition<Real>& at) {
+    if (at.has_gradients) return {at.gradients.dx, at.gradients.dy};
+    return pixel_footprint(f, at.uv);
 }
 
 /// Normalised coordinates to those of a map of so many texels.

@@ -76,12 +76,22 @@ inline constexpr std::size_t kReceiverTargets = 2;
 template <class Real>
 using ReceiverColors = std::array<Vec4<Real>, kReceiverTargets>;
 
-/// Where a fragment falls in the shadow map.
+/// Where a fragment falls in a shadow map. Samplers take the derivatives of the quad.
 template <class Real>
 struct MapPosition {
     Vec2<Real> uv;
     Real depth;   // projective, [0, 1]
     Mask inside;  // inside the light's frustum
+};
+
+/// The same in one of several maps; the shader may bring the derivatives along.
+template <class Real>
+struct GradientPosition {
+    Vec2<Real> uv;
+    Real depth;
+    Mask inside;
+    bool has_gradients = false;  // else those of the quad
+    Gradients<Real> gradients{};
 };
 
 template <class F>
@@ -96,11 +106,29 @@ auto map_position(const F& f) {
     return MapPosition<Real>{at.uv, at.depth, inside};
 }
 
+/// A sample at `coordinate`: (u, v), or (u, v, slice) of an array, (u, v) those of `at` or close to them.
+template <class F, class Coordinate, class Real = typename F::Real>
+Vec4<Real> sample_at(const F& f, TextureId map, const Sampler& sampler, const MapPosition<Real>&,
+                     const Coordinate& coordinate) {
+    return f.sample(map, sampler, coordinate);
+}
+template <class F, class Coordinate, class Real = typename F::Real>
+Vec4<Real> sample_at(const F& f, TextureId map, const Sampler& sampler, const GradientPosition<Real>& at,
+                     const Coordinate& coordinate) {
+    return at.has_gradients ? f.sample_gradient(map, sampler, coordinate, at.gradients) : f.sample(map, sampler, coordinate);
+}
+
 /// One comparison sample of a map of depths.
 template <class F, class Real = typename F::Real>
 Real compare_sample(const F& f, TextureId map, const Sampler& sampler, const MapPosition<Real>& at) {
     if (sampler.max_anisotropy > 1) return f.sample_compare_quad(map, sampler, at.uv, at.depth);
     return f.sample_compare(map, sampler, at.uv, at.depth);
+}
+template <class F, class Real = typename F::Real>
+Real compare_sample(const F& f, TextureId map, const Sampler& sampler, const GradientPosition<Real>& at) {
+    if (sampler.max_anisotropy > 1 && at.has_gradients)
+        return f.sample_compare_gradient(map, sampler, at.uv, at.depth, at.gradients);
+    return compare_sample(f, map, sampler, MapPosition<Real>{at.uv, at.depth, at.inside});
 }
 
 /// Colour and visibility of a fragment. Outside the light's frustum nothing is known to be in shadow.
@@ -124,5 +152,24 @@ ReceiverColors<Real> shade(const F& f, const Lighting& lighting, Mask inside, co
     };
     return {Vec4<Real>{channel(0), channel(1), channel(2), one}, Vec4<Real>{visibility, zero, zero, one}};
 }
+
+/// The camera pass of a technique with one map: `Receiver` turns what it reads at a position into visibility, by
+/// `visibility(f, at)`.
+template <class Receiver>
+struct ShadedReceiver {
+    Lighting lighting{};
+    Receiver receiver{};
+
+    static constexpr auto fields() {
+        using S = ShadedReceiver;
+        return std::tuple{Field{"lighting", &S::lighting}, Field{"receiver", &S::receiver}};
+    }
+
+    template <class F>
+    auto operator()(const F& f) const {
+        const auto at = map_position(f);
+        return shade(f, lighting, at.inside, receiver.visibility(f, at));
+    }
+};
 
 }  // namespace gnomon::techniques

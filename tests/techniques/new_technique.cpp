@@ -20,23 +20,19 @@ Real soft_comparison(const Real& stored, const Real& depth, const Real& softness
 }
 
 struct SoftDepthReceiver {
-    Lighting lighting{};
     TextureId map = TextureId::None;
     Sampler sampler{.min = TexelFilter::Nearest, .mag = TexelFilter::Nearest};
     float softness = 0.01f;  // projective depth
 
     static constexpr auto fields() {
         using R = SoftDepthReceiver;
-        return std::tuple{Field{"lighting", &R::lighting}, Field{"map", &R::map}, Field{"sampler", &R::sampler},
-                          Field{"softness", &R::softness}};
+        return std::tuple{Field{"map", &R::map}, Field{"sampler", &R::sampler}, Field{"softness", &R::softness}};
     }
 
-    template <class F>
-    auto operator()(const F& f) const {
-        using Real = typename F::Real;
-        const auto at = map_position(f);
-        const Real stored = f.sample(map, sampler, at.uv).x;
-        return shade(f, lighting, at.inside, soft_comparison(stored, at.depth, Real(softness)));
+    template <class F, class At, class Real = typename F::Real>
+    Real visibility(const F& f, const At& at) const {
+        const Real stored = sample_at(f, map, sampler, at, at.uv).x;
+        return soft_comparison(stored, at.depth, Real(softness));
     }
 };
 
@@ -44,9 +40,10 @@ constexpr std::array kFormats{Format::D32Float, Format::D16};
 constexpr std::array kFilters{MapFilter::Nearest};
 
 std::unique_ptr<ShadowPasses> make(Device& device, const TechniqueSettings& settings) {
-    static const Program program = make_program<ReceiverVertex, SoftDepthReceiver>("soft-depth.receive");
+    static const ReceiverPrograms programs =
+        make_receiver_programs<SoftDepthReceiver>("soft-depth.receive", "soft-depth.receive-cascades");
     const SoftDepthReceiver receiver{.softness = settings.parameters.number("softness")};
-    return std::make_unique<DepthMapPasses<SoftDepthReceiver>>(device, settings, program, receiver);
+    return make_depth_map_passes(device, settings, programs, receiver);
 }
 
 const Technique kSoftDepth{
