@@ -12,9 +12,10 @@ namespace gnomon::techniques {
 
 namespace {
 
-constexpr std::int32_t kNearestWord = kDistanceBins;
+constexpr std::int32_t kNearestWord = kDistanceBins;  // the largest of what the bits lack of kNearestBase: 0, nothing in view
 constexpr std::int32_t kFarthestWord = kDistanceBins + 1;
 constexpr std::size_t kWords = kDistanceBins + 2;
+constexpr std::int32_t kNearestBase = 0x7f800000;  // the bits of infinity; those of positive floats ascend with the floats
 constexpr int kRowsPerGroup = 8;
 
 /// Counts the pixels of eight rows, first in memory of the group's own.
@@ -47,7 +48,7 @@ struct CountDistances {
     template <class G>
     void operator()(G& g) const {
         using Real = typename G::Real;
-        const SharedArray<Int> own = g.shared_int(kDistanceBins);
+        const SharedArray<Int> own = g.shared_int(kWords);
         g.threads([&](const auto& t) {
             for (int first = 0; first < width; first += kGroupSize.x) {
                 const Int x = Int(first) + t.local.x;
@@ -62,8 +63,8 @@ struct CountDistances {
                     clamp(octaves * Real(bins_per_octave), Real(0.0f), Real(static_cast<float>(kDistanceBins - 1)));
                 const Int bits = bits_of(to_float(distance));
                 t.atomic_add(own, bounded_truncate_to_int(bin), Int(1), drawn);
-                t.atomic_min_unsigned(counts, Int(kNearestWord), bits, drawn);
-                t.atomic_max_unsigned(counts, Int(kFarthestWord), bits, drawn);
+                t.atomic_max(own, Int(kNearestWord), Int(kNearestBase) - bits, drawn);
+                t.atomic_max(own, Int(kFarthestWord), bits, drawn);
             }
         });
         g.threads([&](const auto& t) {
@@ -72,6 +73,9 @@ struct CountDistances {
                 const Int pixels = t.load(own, bin);
                 t.atomic_add(counts, bin, pixels, pixels > Int(0));
             }
+            const Mask first = t.index == Int(0);
+            for (const std::int32_t word : {kNearestWord, kFarthestWord})
+                t.atomic_max(counts, Int(word), t.load(own, Int(word), first), first);
         });
     }
 };
@@ -87,7 +91,6 @@ DistanceHistogram DepthRange::measure(std::span<const SceneDraw> scene, const sc
     draw_depth_map(device_, scene, camera.clip_from_world(), depth_, {});
 
     std::array<std::uint32_t, kWords> words{};
-    words[kNearestWord] = 0xffffffffu;
     device_.execute(WriteBuffer{.id = counts_, .data = std::as_bytes(std::span(words))});
     const auto n = static_cast<double>(camera.znear);
     const auto f = static_cast<double>(camera.zfar);
@@ -107,8 +110,8 @@ DistanceHistogram DepthRange::measure(std::span<const SceneDraw> scene, const sc
 
     std::memcpy(words.data(), device_.buffer(counts_).data.data(), sizeof words);
     DistanceHistogram histogram;
-    if (words[kNearestWord] == 0xffffffffu) return histogram;
-    histogram.nearest = static_cast<double>(std::bit_cast<float>(words[kNearestWord]));
+    if (words[kFarthestWord] == 0) return histogram;
+    histogram.nearest = static_cast<double>(std::bit_cast<float>(kNearestBase - words[kNearestWord]));
     histogram.farthest = static_cast<double>(std::bit_cast<float>(words[kFarthestWord]));
     histogram.bins.assign(words.begin(), words.begin() + kDistanceBins);
     return histogram;

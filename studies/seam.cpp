@@ -1,0 +1,130 @@
+// Counting and colouring what the lanes of quads did.
+#include "studies/seam.h"
+
+#include "sim/error.h"
+#include "studies/false_color.h"
+#include "studies/filter_charts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::studies {
+
+namespace {
+
+constexpr Rgb kNothing{150, 150, 150};
+
+/// Calls visit(first, pixels) for the pixels (indices) of every quad that has one drawn.
+template <class Visit>
+void for_each_quad(const SeamImage& image, const Visit& visit) {
+    const auto width = static_cast<std::size_t>(image.width);
+    for (std::size_t y = 0; y + 1 < static_cast<std::size_t>(image.height); y += 2)
+        for (std::size_t x = 0; x + 1 < width; x += 2) {
+            const std::size_t first = y * width + x;
+            const std::array<std::size_t, 4> pixels{first, first + 1, first + width, first + width + 1};
+            if (std::ranges::any_of(pixels, [&](std::size_t i) { return image.pixels[i].drawn(); })) visit(pixels);
+        }
+}
+
+template <class ColorOf>
+ByteImage picture(const SeamImage& image, const ColorOf& color_of) {
+    ByteImage colors{.width = image.width, .height = image.height, .channels = 3, .values = {}};
+    colors.values.reserve(3 * image.pixels.size());
+    for (const SeamPixel& pixel : image.pixels) {
+        const Rgb color = pixel.drawn() ? color_of(pixel) : kNothing;
+        colors.values.insert(colors.values.end(), color.begin(), color.end());
+    }
+    return colors;
+}
+
+}  // namespace
+
+double lod_error(const SeamPixel& pixel) {
+    if (pixel.lod == pixel.smooth_lod) return 0.0;  // infinities too
+    const double error = std::fabs(static_cast<double>(pixel.lod) - static_cast<double>(pixel.smooth_lod));
+    return error < kWorstLod ? error : kWorstLod;
+}
+
+SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, const SeamImage& reference) {
+    GNOMON_CHECK_EQ(image.pixels.size(), uncured.pixels.size());
+    GNOMON_CHECK_EQ(image.pixels.size(), reference.pixels.size());
+    const auto is_bad = [](const SeamPixel& pixel) { return pixel.drawn() && lod_error(pixel) >= kLodStep; };
+    SeamMeasures measures;
+    double lod_errors = 0;
+    double exact_errors = 0;
+    double value_errors = 0;
+    std::uint64_t once_bad = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const SeamPixel& pixel = image.pixels[i];
+        if (!pixel.drawn()) continue;
+        ++measures.pixels;
+        measures.outside_pixels += pixel.is(SeamPixel::kOutside);
+        const double error = lod_error(pixel);
+        measures.worst_lod_error = std::max(measures.worst_lod_error, error);
+        if (is_bad(pixel)) {
+            ++measures.bad_pixels;
+            lod_errors += error;
+        }
+        SeamPixel exact = pixel;
+        exact.smooth_lod = pixel.exact_lod;
+        exact_errors += lod_error(exact);
+        const double change = std::fabs(static_cast<double>(pixel.value) - static_cast<double>(reference.pixels[i].value));
+        measures.worst_value_error = std::max(measures.worst_value_error, change);
+        measures.changed_pixels += change >= 1.0 / 255;
+        if (is_bad(uncured.pixels[i])) {
+            ++once_bad;
+            value_errors += change;
+        }
+    }
+    for_each_quad(image, [&](const std::array<std::size_t, 4>& quad) {
+        ++measures.quads;
+        const auto any = [&](const auto& holds) {
+            return std::ranges::any_of(quad, [&](std::size_t i) { return image.pixels[i].drawn() && holds(image.pixels[i]); });
+        };
+        measures.disagreeing_quads += any([](const SeamPixel& pixel) { return pixel.is(SeamPixel::kDisagrees); });
+        measures.bad_quads += any(is_bad);
+
+        std::uint64_t drawn = 0;
+        float least = 1e9f;
+        float most = -1.0f;
+        for (const std::size_t i : quad) {
+            if (!image.pixels[i].drawn()) continue;
+            ++drawn;
+            least = std::min(least, image.pixels[i].own);
+            most = std::max(most, image.pixels[i].own);
+        }
+        if (least < most) measures.crossed_pixels += drawn;
+    });
+    const auto mean = [](double sum, std::uint64_t count) { return count > 0 ? sum / static_cast<double>(count) : 0.0; };
+    measures.mean_lod_error = mean(lod_errors, measures.bad_pixels);
+    measures.exact_lod_error = mean(exact_errors, measures.pixels);
+    measures.mean_value_error = mean(value_errors, once_bad);
+    return measures;
+}
+
+std::vector<SeamPicture> seam_pictures(const SeamImage& image) {
+    std::vector<SeamPicture> pictures;
+    pictures.push_back({"choice", picture(image, [](const SeamPixel& pixel) {
+                            return kLevelColors[static_cast<std::size_t>(pixel.used) % kLevelColors.size()];
+                        })});
+    pictures.push_back({"disagreeing", picture(image, [](const SeamPixel& pixel) {
+                            return pixel.is(SeamPixel::kDisagrees) ? Rgb{200, 20, 30} : Rgb{255, 255, 255};
+                        })});
+    // Too coarse is red, too fine blue; a level of four octaves or more is full.
+    pictures.push_back({"lod-error", picture(image, [](const SeamPixel& pixel) {
+                            const auto error = static_cast<float>(lod_error(pixel)) / 4.0f;
+                            return error_color(pixel.lod < pixel.smooth_lod ? -error : error);
+                        })});
+    pictures.push_back({"lod", picture(image, [](const SeamPixel& pixel) {
+                            return lod_color(std::clamp(static_cast<double>(pixel.lod), 0.0, 8.0));
+                        })});
+    pictures.push_back({"probes", picture(image, [](const SeamPixel& pixel) {
+                            return amount_color(probe_step(static_cast<int>(pixel.probes)));
+                        })});
+    FloatImage drawn{image.width, image.height, {}};
+    for (const SeamPixel& pixel : image.pixels) drawn.values.push_back(pixel.drawn() ? 1.0f : -1.0f);
+    pictures.push_back({"derivatives", derivative_image(image.derivatives, drawn)});
+    return pictures;
+}
+
+}  // namespace gnomon::studies
