@@ -83,17 +83,6 @@ SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, cons
         };
         measures.disagreeing_quads += any([](const SeamPixel& pixel) { return pixel.is(SeamPixel::kDisagrees); });
         measures.bad_quads += any(is_bad);
-
-        std::uint64_t drawn = 0;
-        float least = 1e9f;
-        float most = -1.0f;
-        for (const std::size_t i : quad) {
-            if (!image.pixels[i].drawn()) continue;
-            ++drawn;
-            least = std::min(least, image.pixels[i].own);
-            most = std::max(most, image.pixels[i].own);
-        }
-        if (least < most) measures.crossed_pixels += drawn;
     });
     const auto mean = [](double sum, std::uint64_t count) { return count > 0 ? sum / static_cast<double>(count) : 0.0; };
     measures.mean_lod_error = mean(lod_errors, measures.bad_pixels);
