@@ -227,11 +227,13 @@ void add_furniture(Scene& scene) {
     append_bicycle(frame, rubber);
     Mesh bollard{.name = "bollard", .vertices = {}, .indices = {}, .base_color = {0.75f, 0.66f, 0.22f}};
     append(bollard, tube({0, -0.1, 0}, {0, 0.95, 0}, 0.06, 0.05, 8), kRounded);
+
+    // In the order in which they are placed, as readers of glTF number them.
     const std::uint32_t lamps = add_meshes(scene, {lamp});
     const std::uint32_t racks = add_meshes(scene, {hoop});
-    const std::uint32_t benches = add_meshes(scene, {wood, iron});
     const std::uint32_t bicycles = add_meshes(scene, {frame, rubber});
     const std::uint32_t bollards = add_meshes(scene, {bollard});
+    const std::uint32_t benches = add_meshes(scene, {wood, iron});
 
     for (const Block& block : kBlocks) {
         const double middle = 0.5 * (block.low_z + block.high_z);
