@@ -34,7 +34,7 @@ struct SeamPixel {
 
 /// One picture of a case under one cure.
 struct SeamImage {
-    int width = 0;  // pixels, even
+    int width = 0;  // pixels
     int height = 0;
     std::vector<SeamPixel> pixels;           // row by row
     std::vector<std::uint32_t> derivatives;  // DerivativeCause bits per pixel
