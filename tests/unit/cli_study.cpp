@@ -14,7 +14,7 @@ TEST_CASE("gnomon list studies names every study, its cases and scenes", "[cli]"
     const Outcome run = gnomon_run(folder, "list studies");
     CHECK(run.code == 0);
     for (const char* text :
-         {"equal-storage", "formats", "exponents", "relaxation", "tables", "cases on", "source [Lauritzen08]"})
+         {"equal-storage", "formats", "exponents", "relaxation", "tables", "splits", "cases on", "source [Lauritzen08]"})
         CHECK(run.out.find(text) != std::string::npos);
     CHECK(run.out.find("profiles") == std::string::npos);
     CHECK(gnomon_run(folder, "list").out.find("equal-storage") != std::string::npos);
