@@ -299,10 +299,13 @@ TEST_CASE("Small cases: the same bytes for one thread and two, and probes are no
             Device two(load_profile("d3d11"), 2);
             const SeamImage image = seam.draw(one, cure);
             CHECK(same_bytes(image, seam.draw(two, cure)));
-            CHECK(image.counters.lanes_shaded > 0);
-            CHECK(image.counters.invalid_derivatives <= image.counters.derivatives);
+            // One sample a lane, and one load of the page table; the laboratory's own derivatives would be five times these.
+            const std::uint64_t lanes = image.counters.lanes_shaded;
+            CHECK(lanes > 10000);
+            CHECK(image.counters.texture_instructions <= lanes * (seam.name == "pages" ? 2 : 1));
+            CHECK(image.counters.derivatives > 0);
+            if (cure == "none") CHECK(image.counters.derivatives <= lanes);
             CHECK(image.milliseconds > 0);
-            // Somewhere the value is that of no other pixel: the picture shows something.
             const auto [least, most] = std::ranges::minmax(image.pixels, {}, &SeamPixel::value);
             CHECK(least.value < most.value);
         }
