@@ -14,15 +14,19 @@ namespace {
 
 constexpr Rgb kNothing{150, 150, 150};
 
-/// Calls visit(first, pixels) for the pixels (indices) of every quad that has one drawn.
+/// Calls visit(pixels) with the drawn pixels of every quad that has any.
 template <class Visit>
 void for_each_quad(const SeamImage& image, const Visit& visit) {
-    const auto width = static_cast<std::size_t>(image.width);
-    for (std::size_t y = 0; y + 1 < static_cast<std::size_t>(image.height); y += 2)
-        for (std::size_t x = 0; x + 1 < width; x += 2) {
-            const std::size_t first = y * width + x;
-            const std::array<std::size_t, 4> pixels{first, first + 1, first + width, first + width + 1};
-            if (std::ranges::any_of(pixels, [&](std::size_t i) { return image.pixels[i].drawn(); })) visit(pixels);
+    std::vector<SeamPixel> drawn;
+    for (int top = 0; top < image.height; top += 2)
+        for (int left = 0; left < image.width; left += 2) {
+            drawn.clear();
+            for (int y = top; y < std::min(top + 2, image.height); ++y)
+                for (int x = left; x < std::min(left + 2, image.width); ++x) {
+                    const SeamPixel& pixel = image.pixels[static_cast<std::size_t>(y * image.width + x)];
+                    if (pixel.drawn()) drawn.push_back(pixel);
+                }
+            if (!drawn.empty()) visit(drawn);
         }
 }
 
@@ -76,24 +80,11 @@ SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, cons
             value_errors += change;
         }
     }
-    for_each_quad(image, [&](const std::array<std::size_t, 4>& quad) {
+    for_each_quad(image, [&](const std::vector<SeamPixel>& quad) {
         ++measures.quads;
-        const auto any = [&](const auto& holds) {
-            return std::ranges::any_of(quad, [&](std::size_t i) { return image.pixels[i].drawn() && holds(image.pixels[i]); });
-        };
-        measures.disagreeing_quads += any([](const SeamPixel& pixel) { return pixel.is(SeamPixel::kDisagrees); });
-        measures.bad_quads += any(is_bad);
-
-        std::uint64_t drawn = 0;
-        float least = 1e9f;
-        float most = -1.0f;
-        for (const std::size_t i : quad) {
-            if (!image.pixels[i].drawn()) continue;
-            ++drawn;
-            least = std::min(least, image.pixels[i].own);
-            most = std::max(most, image.pixels[i].own);
-        }
-        if (least < most) measures.crossed_pixels += drawn;
+        measures.disagreeing_quads +=
+            std::ranges::any_of(quad, [](const SeamPixel& pixel) { return pixel.is(SeamPixel::kDisagrees); });
+        measures.bad_quads += std::ranges::any_of(quad, is_bad);
     });
     const auto mean = [](double sum, std::uint64_t count) { return count > 0 ? sum / static_cast<double>(count) : 0.0; };
     measures.mean_lod_error = mean(lod_errors, measures.bad_pixels);

@@ -23,6 +23,7 @@ struct SeamPixel {
     float probes = 1.0f;      // of anisotropic filters
     float flags = 0.0f;       // kDisagrees + kOutside
     float value = 0.0f;       // what the sample gave, or the visibility made of it
+    float quad = 0.0f;        // `own` of the four lanes of its quad, helpers too: lane i times 16^i
 
     static constexpr int kDisagrees = 1;  // not all four lanes of its quad, helpers too, took one choice
     static constexpr int kOutside = 2;    // the sample lies outside of the map it read
@@ -33,7 +34,7 @@ struct SeamPixel {
 
 /// One picture of a case under one cure.
 struct SeamImage {
-    int width = 0;  // pixels, even
+    int width = 0;  // pixels
     int height = 0;
     std::vector<SeamPixel> pixels;           // row by row
     std::vector<std::uint32_t> derivatives;  // DerivativeCause bits per pixel
@@ -49,7 +50,6 @@ struct SeamMeasures {
     std::uint64_t pixels = 0;             // drawn
     std::uint64_t quads = 0;              // with a pixel drawn
     std::uint64_t disagreeing_quads = 0;  // whose lanes took different choices
-    std::uint64_t crossed_pixels = 0;     // drawn in quads whose pixels' own choices differ
     std::uint64_t bad_quads = 0;          // with a bad pixel
     std::uint64_t bad_pixels = 0;         // |lod - smooth_lod| >= kLodStep
     std::uint64_t outside_pixels = 0;     // read outside of their map
@@ -65,7 +65,6 @@ struct SeamMeasures {
         return std::tuple{Field{"pixels", &S::pixels},
                           Field{"quads", &S::quads},
                           Field{"disagreeing_quads", &S::disagreeing_quads},
-                          Field{"crossed_pixels", &S::crossed_pixels},
                           Field{"bad_quads", &S::bad_quads},
                           Field{"bad_pixels", &S::bad_pixels},
                           Field{"outside_pixels", &S::outside_pixels},

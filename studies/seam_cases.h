@@ -12,9 +12,9 @@ namespace gnomon::studies {
 /// A case is drawn on a device whose profile decides about derivatives, level of detail and filters.
 struct SeamCase {
     std::string_view name;
-    std::string_view summary;      // one line: where lanes of a quad go apart
-    std::string_view source;       // where it is met
-    std::string_view expectation;  // one line that a test checks: what is bad without a cure, and with each
+    std::string_view summary;             // one line: where lanes of a quad go apart
+    std::string_view source;              // where it is met
+    std::string_view expectation;         // one line that a test checks: what is bad without a cure, and with each
     std::vector<std::string_view> cures;  // "none" first; one of them is `reference`
     std::string_view reference;           // the cure whose values are right
     /// Throws Error for a cure that the case does not have, and Stopped.

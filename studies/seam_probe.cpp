@@ -34,7 +34,8 @@ SeamImage ProbeTargets::read() const {
     for (std::size_t i = 0; i < targets[0].size(); ++i) {
         const auto& [own, used, lod, smooth_lod] = targets[0][i];
         const auto& [exact_lod, level, probes, flags] = targets[1][i];
-        image.pixels.push_back({own, used, lod, smooth_lod, exact_lod, level, probes, flags, targets[2][i][0]});
+        image.pixels.push_back(
+            {own, used, lod, smooth_lod, exact_lod, level, probes, flags, targets[2][i][0], targets[2][i][1]});
     }
     image.derivatives = values_of<std::uint32_t>(device_.texture(derivatives_));
     return image;

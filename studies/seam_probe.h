@@ -30,9 +30,11 @@ std::array<Vec4<Real>, kProbeTargets> probe_colors(const F& f, const SeamLanes<R
     const Mask differs = (f.template quad_read<0>(lanes.used) != lanes.used);
     const Real flags = select(f.quad_any(differs), Real(static_cast<float>(SeamPixel::kDisagrees)), zero) +
                        select(lanes.outside, Real(static_cast<float>(SeamPixel::kOutside)), zero);
+    const Real quad = (f.template quad_read<0>(lanes.own) + f.template quad_read<1>(lanes.own) * Real(16.0f)) +
+                      (f.template quad_read<2>(lanes.own) * Real(256.0f) + f.template quad_read<3>(lanes.own) * Real(4096.0f));
     return {Vec4<Real>{lanes.own, lanes.used, lanes.sampled.unclamped, lanes.smooth_lod},
             Vec4<Real>{lanes.exact_lod, lanes.sampled.clamped, Real(lanes.sampled.probes), flags},
-            Vec4<Real>{lanes.value, zero, zero, zero}};
+            Vec4<Real>{lanes.value, quad, zero, zero}};
 }
 
 /// Targets for probe_colors and for a derivative report.

@@ -134,10 +134,47 @@ Study tables() {
     return study;
 }
 
+/// The poster's four pictures with as many texels, then what splits depend on.
+Study splits() {
+    Study study{.name = "splits",
+                .summary = "one map and four, nearest and filtered, with as many texels; then split schemes, counts and cures",
+                .source = "[Lauritzen06]; [Zhang06], [Lauritzen10]",
+                .scenes = {"city"},
+                .cases = {}};
+    // A variance of depth that hides shadows of things less than a metre above the ground is too large for a scene this deep.
+    const auto add = [&](std::string group, std::string label, const std::string& technique, int cascades, ParameterTexts set) {
+        TechniqueRequest request{.map_size = cascades == 0 ? 1024 : 512, .cascades = cascades, .set = std::move(set)};
+        if (technique == "vsm" || technique == "psvsm") {
+            request.anisotropy = 16;
+            request.set.emplace_back("min-variance", "1e-7");
+        }
+        study.cases.push_back(in_group(std::move(group), std::move(label), technique, std::move(request)));
+    };
+    const std::string filtered = "psvsm";
+    add("poster", "shadow map 1024", "shadow-map", 0, {});
+    add("poster", "variance 1024", "vsm", 0, {});
+    add("poster", "parallel-split 4 x 512", "pssm", 4, {{"lambda", "0.8"}});
+    add("poster", "parallel-split variance", filtered, 4, {{"lambda", "0.8"}, {"cure", "quad-min"}});
+    for (const char* lambda : {"0", "0.25", "0.5", "0.75", "0.9", "0.95", "1"})
+        add("lambda", fmt::format("lambda {}", lambda), filtered, 4, {{"lambda", lambda}, {"cure", "quad-min"}});
+    for (int count = 1; count <= 8; ++count)
+        add("count", fmt::format("{} x 512", count), filtered, count, {{"lambda", "0.8"}, {"cure", "quad-min"}});
+    for (const char* placement : {"practical", "minmax", "histogram"})
+        add("placement", placement, filtered, 4, {{"lambda", "0.8"}, {"cure", "quad-min"}, {"splits", placement}});
+    for (const auto& cure : kEnumNames<techniques::SeamCure>)
+        add("cure", std::string(cure.name), filtered, 4, {{"lambda", "0.8"}, {"cure", std::string(cure.name)}});
+    for (const char* fade : {"0.1", "0.3"})
+        add("fade", fmt::format("fade {}", fade), filtered, 4, {{"lambda", "0.8"}, {"cure", "quad-min"}, {"fade", fade}});
+    add("snap", "snapped", filtered, 4, {{"lambda", "0.8"}, {"cure", "quad-min"}, {"snap", "on"}});
+    for (const char* technique : {"esm", "evsm4", "lvsm", "msm", "csm", "savsm", "pcf", "pcf-footprint"})
+        add("technique", technique, technique, 4, {{"lambda", "0.8"}, {"cure", "quad-min"}});
+    return study;
+}
+
 }  // namespace
 
 std::span<const Study> all_studies() {
-    static const std::array studies{equal_storage(), formats(), exponents(), relaxation(), tables()};
+    static const std::array studies{equal_storage(), formats(), exponents(), relaxation(), tables(), splits()};
     return studies;
 }
 

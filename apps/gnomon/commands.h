@@ -10,6 +10,7 @@ void add_render(CLI::App& app);
 void add_export(CLI::App& app);
 void add_contact_sheet(CLI::App& app);
 void add_study(CLI::App& app);
+void add_seam(CLI::App& app);
 void add_sample(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_coverage(CLI::App& app);

@@ -4,6 +4,7 @@
 #include "scenes/procedural.h"
 #include "sim/error.h"
 #include "sim/profile.h"
+#include "studies/seam_cases.h"
 #include "studies/study.h"
 #include "techniques/technique.h"
 #include "texunit/format.h"
@@ -102,6 +103,13 @@ void list_studies() {
                    fmt::join(study.scenes, ", "), study.source);
 }
 
+void list_seams() {
+    fmt::print("seams (gnomon seam --case NAME; the splits of a scene: gnomon seam --scene NAME)\n");
+    for (const studies::SeamCase& seam : studies::all_seam_cases())
+        fmt::print("  {:<14} {}\n  {:<14} cures {}; source {}\n  {:<14} {}\n", seam.name, seam.summary, "",
+                   fmt::join(seam.cures, ", "), seam.source, "", seam.expectation);
+}
+
 struct ListOptions {
     std::string what;
     bool verbose = false;
@@ -113,6 +121,7 @@ void list(const ListOptions& options) {
     if (chosen("scenes")) list_scenes();
     if (chosen("techniques")) list_techniques(options.verbose);
     if (chosen("studies")) list_studies();
+    if (chosen("seams")) list_seams();
     if (chosen("profiles")) list_profiles(options.verbose);
     if (chosen("formats")) list_formats();
 }
@@ -120,16 +129,17 @@ void list(const ListOptions& options) {
 }  // namespace
 
 void add_list(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, studies, profiles and formats");
+    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, studies, seams, profiles and formats");
     const auto options = std::make_shared<ListOptions>();
-    command->add_option("what", options->what, "scenes, techniques, studies, profiles or formats; all of them without it")
+    command
+        ->add_option("what", options->what, "scenes, techniques, studies, seams, profiles or formats; all of them without it")
         ->type_name("WHAT");
     command->add_flag("--verbose", options->verbose,
                       "Explain every parameter of every technique, and every field of every profile with its source");
     command->callback([options] {
-        constexpr std::array<std::string_view, 6> kWhat{"", "scenes", "techniques", "studies", "profiles", "formats"};
+        constexpr std::array<std::string_view, 7> kWhat{"", "scenes", "techniques", "studies", "seams", "profiles", "formats"};
         if (std::ranges::find(kWhat, options->what) == kWhat.end())
-            fail("list {}: expected scenes, techniques, studies, profiles or formats", options->what);
+            fail("list {}: expected scenes, techniques, studies, seams, profiles or formats", options->what);
         list(*options);
     });
 }

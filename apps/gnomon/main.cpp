@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
         "  gnomon render --scene car --technique all --out out/car\n"
         "  gnomon contact-sheet out\n"
         "  gnomon study equal-storage --out out/studies\n"
+        "  gnomon seam --scene city --technique psvsm --out out/seam\n"
         "  echo '0.3 0.6' | gnomon sample --checker 8x8 --footprint\n"
         "  echo '1 1 9 1 1 9' | gnomon coverage --size 16x16 --samples 4");
     gnomon::cli::add_list(app);
@@ -42,6 +43,7 @@ int run(int argc, char** argv) {
     gnomon::cli::add_export(app);
     gnomon::cli::add_contact_sheet(app);
     gnomon::cli::add_study(app);
+    gnomon::cli::add_seam(app);
     gnomon::cli::add_sample(app);
     gnomon::cli::add_convert(app);
     gnomon::cli::add_coverage(app);
@@ -51,7 +53,7 @@ int run(int argc, char** argv) {
         const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
         if (argc > 1 && argv[1][0] != '-' && std::ranges::none_of(app.get_subcommands({}), is_named))
             return complain(fmt::format(
-                "'{}' is not a command; expected list, render, study, export, contact-sheet, sample, convert, coverage, "
+                "'{}' is not a command; expected list, render, study, seam, export, contact-sheet, sample, convert, coverage, "
                 "chart or pipeline-chart",
                 argv[1]));
         app.parse(argc, argv);

@@ -54,11 +54,15 @@ void fingerprint_frame(const scenes::Scene& scene, std::string_view technique, c
 
     std::string set;
     for (const auto& [key, value] : request.set) set += fmt::format("/{}={}", key, value);
+    if (request.cascades) set += fmt::format("/{} splits", *request.cascades);
     const std::string name =
         fmt::format("{}/{}/{}/{}/x{}/aniso{}{}/{}", scene.name, technique, name_of(desc.settings.format),
                     name_of(desc.settings.filter), desc.settings.map_samples, desc.settings.anisotropy, set, profile);
-    for (const auto& [part, id] : {std::pair{"color", frame.color()}, std::pair{"visibility", frame.visibility()},
-                                   std::pair{"depth", frame.depth()}, std::pair{"map", frame.maps().front()}}) {
+    std::vector<std::pair<std::string, TextureId>> parts{
+        {"color", frame.color()}, {"visibility", frame.visibility()}, {"depth", frame.depth()}};
+    const std::vector<TextureId> maps = frame.maps();
+    for (std::size_t i = 0; i < maps.size(); ++i) parts.emplace_back(i == 0 ? "map" : fmt::format("map {}", i), maps[i]);
+    for (const auto& [part, id] : parts) {
         const Texture& texture = device.texture(id);
         std::vector<std::byte> bytes;
         for (int level = 0; level < texture.desc().levels; ++level) {
@@ -211,6 +215,21 @@ void fingerprint_choices(const scenes::Scene& scene, const techniques::Technique
 
 }  // namespace
 
+/// Several maps: every cure, every way to place splits and windows, and every technique.
+void fingerprint_splits(const scenes::Scene& scene, int threads) {
+    const auto add = [&](std::string_view technique, int cascades, const techniques::ParameterTexts& set, const char* profile) {
+        fingerprint_frame(scene, technique, {.map_size = 101, .cascades = cascades, .set = set}, profile, threads);
+    };
+    for (const auto& cure : kEnumNames<techniques::SeamCure>)
+        for (const char* profile : {"d3d11", "g80", "ideal"}) add("psvsm", 8, {{"cure", std::string(cure.name)}}, profile);
+    for (int cascades = 1; cascades <= 7; ++cascades) add("psvsm", cascades, {{"blur", "3"}, {"fade", "0.2"}}, "d3d11");
+    for (const char* placement : {"minmax", "histogram"})
+        for (const char* profile : {"d3d11", "ideal"}) add("psvsm", 4, {{"splits", placement}, {"snap", "on"}}, profile);
+    add("pssm", 3, {{"size-ratio", "1.5"}, {"reach", "20"}}, "d3d11");
+    for (const techniques::Technique& technique : techniques::all_techniques())
+        add(technique.name, 3, {{"cure", "explicit-gradients"}}, "d3d11");
+}
+
 int main(int argc, char** argv) {
     const int threads = argc > 1 ? std::atoi(argv[1]) : 0;
     fingerprint_function("exp2", [](Float x) { return exp2(x); });
@@ -242,6 +261,7 @@ int main(int argc, char** argv) {
 
     for (const scenes::ProceduralScene& source : scenes::procedural_scenes()) {
         const scenes::Scene scene = source.make();
+        if (source.name == "fence" || source.name == "car") fingerprint_splits(scene, threads);
         for (const techniques::Technique& technique : techniques::all_techniques()) {
             fingerprint_frame(scene, technique.name, {.map_size = 251}, "d3d11", threads);
             if (source.name == "car") fingerprint_choices(scene, technique, threads);

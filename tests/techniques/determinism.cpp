@@ -178,7 +178,7 @@ TEST_CASE("the blur of a constant is that constant within the format", "[techniq
             const TextureId scratch = device.create_texture("scratch", desc);
             device.execute(ClearColor{texture, {0.3f, 0.09f, 0.0f, 1.0f}});
             const auto before = device.texture(texture).level_bytes(0);
-            blur(FullScreen(device), gaussian_kernel(taps), texture, scratch);
+            blur(FullScreen(device), {gaussian_kernel(taps), gaussian_kernel(taps)}, texture, scratch);
             const auto after = device.texture(texture).level_bytes(0);
             const FormatInfo& info = format_info(format);
             const auto value = [&](const std::vector<std::byte>& bytes, std::size_t i) {
@@ -210,7 +210,7 @@ TEST_CASE("the blur of one texel is the outer product of the weights", "[techniq
         values[14 * 33 + 16] = 1.0f;
         device.execute(WriteTexture{texture, 0, std::as_bytes(std::span(values))});
         const GaussianKernel kernel = gaussian_kernel(taps);
-        blur(FullScreen(device), kernel, texture, scratch);
+        blur(FullScreen(device), {kernel, kernel}, texture, scratch);
         const auto bytes = device.texture(texture).level_bytes(0);
         std::memcpy(values.data(), bytes.data(), bytes.size());
         const auto& weights = kernel.weights;
@@ -235,6 +235,6 @@ TEST_CASE("a pass may not read the texture it writes", "[techniques][errors]") {
     device.execute(ClearColor{texture, glm::vec4(0.5f)});
     const auto before = device.texture(texture).level_bytes(0);
     const FullScreen full_screen(device);
-    CHECK_THROWS_AS(blur(full_screen, gaussian_kernel(3), texture, texture), Error);
+    CHECK_THROWS_AS(blur(full_screen, {gaussian_kernel(3), gaussian_kernel(3)}, texture, texture), Error);
     CHECK(device.texture(texture).level_bytes(0) == before);
 }

@@ -85,6 +85,29 @@ TEST_CASE("every parameter of every technique at its ends, and with every word",
         }
 }
 
+TEST_CASE("every technique with one to eight splits, and every parameter of splits at its ends", "[techniques][everywhere]") {
+    int index = 0;
+    for (const Technique& technique : all_techniques()) {
+        const int cascades = 1 + index++ % kMaxCascades;
+        for (const char* scene : {"fence", "city"}) {
+            INFO(technique.name << ", " << cascades << " splits, " << scene);
+            CHECK(shades_in(technique.name, scene, {.map_size = 64, .cascades = cascades}).surface > 1000);
+        }
+    }
+    for (const Parameter& parameter : cascade_parameters()) {
+        std::vector<std::string> texts{text_of(parameter, parameter.low), text_of(parameter, parameter.high)};
+        if (parameter.kind == ParameterKind::Word) texts.assign(parameter.words.begin(), parameter.words.end());
+        for (const std::string& text : texts)
+            for (const char* technique : {"pssm", "psvsm", "pcf-footprint", "savsm", "lvsm"}) {
+                INFO(technique << " --set " << parameter.name << "=" << text);
+                const Shades shades = shades_in(technique, "fence",
+                                                {.map_size = 64, .cascades = 3, .set = {{std::string(parameter.name), text}}});
+                CHECK(shades.surface > 1000);
+                CHECK(shades.lit > 0);
+            }
+    }
+}
+
 TEST_CASE("every technique with a map of 4096 texels", "[.][large]") {
     for (const Technique& technique : all_techniques()) {
         INFO(technique.name);

@@ -162,8 +162,9 @@ struct LookupProbe {
         using Real = typename F::Real;
         const Vec2<Int> at = pixel_of(f);
         const Vec2<Real> uv{Real(at.x) * Real(step_u) - Real(0.125f), Real(at.y) * Real(step_v) - Real(0.125f)};
-        if (slices == 0) return map.sample(f, uv);
-        return map.sample_slice(f, uv, Real((at.x + at.y) & Int(slices - 1)));
+        const MapPosition<Real> in_map{uv, Real(0.0f), Mask(true)};
+        if (slices == 0) return map.sample(f, in_map);
+        return map.sample_slice(f, in_map, Real((at.x + at.y) & Int(slices - 1)));
     }
 };
 

@@ -198,7 +198,7 @@ inline std::uint64_t flagged(const SeamImage& image, std::uint32_t cause) {
 }
 
 inline bool same_bytes(const SeamImage& a, const SeamImage& b) {
-    static_assert(sizeof(SeamPixel) == 9 * sizeof(float));
+    static_assert(sizeof(SeamPixel) == 10 * sizeof(float));
     return a.pixels.size() == b.pixels.size() && a.derivatives == b.derivatives && a.counters == b.counters &&
            std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(SeamPixel)) == 0;
 }
