@@ -68,12 +68,11 @@ inline constexpr SeamPlane kLayerPlane{.origin = {0.25f, 0.0625f, 3 + 0x1p-14f},
                                        .dx = {2.5f * 0x1p-10f, 0.5f * 0x1p-10f, 6 * 0x1p-10f},
                                        .dy = {-0.75f * 0x1p-10f, 2.75f * 0x1p-10f, -7 * 0x1p-10f}};
 
-/// Directions around a corner of the cube, of which no pixel's centre has two equal coordinates.
+/// A stereographic projection of all directions: (2x, 2y, 1 - x^2 - y^2).
 inline constexpr int kFaceSide = 256;  // texels
-inline constexpr SeamPlane kFacesPlane{
-    .origin = {1 + 128 * 12 * 0x1p-10f, 0.875f + 0x1p-12f - 128 * 1 * 0x1p-10f, 0.8125f + 0x1p-13f - 128 * 10 * 0x1p-10f},
-    .dx = {-9 * 0x1p-10f, 6 * 0x1p-10f, 2 * 0x1p-10f},
-    .dy = {-3 * 0x1p-10f, -5 * 0x1p-10f, 8 * 0x1p-10f}};
+inline constexpr SeamPlane kFacesPlane{.origin = {128 * -12 * 0x1p-10f + 0x1p-12f, 128 * -22 * 0x1p-10f + 0x1p-13f, 0},
+                                       .dx = {17 * 0x1p-10f, 5 * 0x1p-10f, 0},
+                                       .dy = {-5 * 0x1p-10f, 17 * 0x1p-10f, 0}};
 
 /// Triangles that share no quad; corners in 1/256 pixel.
 using CentroidTriangle = std::array<glm::ivec2, 3>;

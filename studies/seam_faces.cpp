@@ -19,6 +19,20 @@ struct FacePixel {
         return std::tuple{Field{"faces", &P::faces}, Field{"sampler", &P::sampler}, Field{"cure", &P::cure}};
     }
 
+    /// The direction that a point of the plane shows: a stereographic projection, which shows all but one.
+    template <class Real>
+    static Vec3<Real> direction(const Vec3<Real>& at) {
+        const Real two(2.0f);
+        return {two * at.x, two * at.y, (Real(1.0f) - at.x * at.x) - at.y * at.y};
+    }
+    template <class Real>
+    static Vec3<Real> direction_change(const Vec3<Real>& at, const glm::vec3& step) {
+        const Real two(2.0f);
+        const Real x(step.x);
+        const Real y(step.y);
+        return {two * x, two * y, -two * (at.x * x + at.y * y)};
+    }
+
     /// +x, -x, +y, -y, +z, -z as 0 to 5.
     template <class Real>
     static Real face_of(const Vec3<Real>& d) {
@@ -60,7 +74,7 @@ struct FacePixel {
     template <class F>
     auto operator()(const F& f) const {
         using Real = typename F::Real;
-        const Vec3<Real> d = f.in.at;
+        const Vec3<Real> d = direction(f.in.at);
         const Real own = face_of(d);
         const Real used = cure == 2 ? f.template quad_read<0>(own) : own;
         SeamLookup<Real> lookup{coordinate_in(used, d), cure == 1};
@@ -80,8 +94,8 @@ struct FacePixel {
                 if (cure == 1) on_face.gradients = gradients_in(of_lane(used));
                 return on_face;
             };
-            const Gradients<Real> exact{derivative_in(used, d, splat<Real>(kFacesPlane.dx)),
-                                        derivative_in(used, d, splat<Real>(kFacesPlane.dy))};
+            const Gradients<Real> exact{derivative_in(used, d, direction_change(f.in.at, kFacesPlane.dx)),
+                                        derivative_in(used, d, direction_change(f.in.at, kFacesPlane.dy))};
             return SeamLanes<Real>{.own = own,
                                    .used = used,
                                    .sampled = level_of(f, faces, sampler, lookup),
