@@ -3,6 +3,7 @@
 // The leaves are far above the bench and the bench is close to the ground: Delta x / Delta y of figure 3.4 is about 8.
 #include "scenes/builders.h"
 #include "scenes/shapes.h"
+#include "scenes/street_furniture.h"
 #include "scenes/tree.h"
 #include "scenes/view.h"
 #include "sim/scalar_math.h"
@@ -12,32 +13,6 @@
 #include <cstdint>
 
 namespace gnomon::scenes {
-
-namespace {
-
-/// A park bench 1.8 m wide along x whose seat faces +z: slats with narrow gaps on two iron frames.
-void append_bench(Mesh& wood, Mesh& iron) {
-    constexpr double kHalfLength = 0.9;
-    for (int i = 0; i < 5; ++i) {  // the seat
-        const double z = 0.23 - 0.105 * i;
-        append(wood, box({-kHalfLength, 0.43, z - 0.046}, {kHalfLength, 0.46, z + 0.046}), kFlat);
-    }
-    for (int i = 0; i < 4; ++i) {  // the back, leaning
-        const double y = 0.56 + 0.105 * i;
-        const double z = -0.27 - 0.28 * (y - 0.46);
-        append(wood, bar({-kHalfLength, y, z}, {kHalfLength, y, z}, {0, 1, -0.28}, 0.09, 0.03), kFlat);
-    }
-    for (const double x : {-0.72, 0.72}) {
-        append(iron, bar({x, 0, 0.26}, {x, 0.43, 0.22}, {1, 0, 0}, 0.05, 0.05), kFlat);
-        append(iron, bar({x, 0, -0.30}, {x, 0.43, -0.24}, {1, 0, 0}, 0.05, 0.05), kFlat);
-        append(iron, bar({x, 0.41, 0.28}, {x, 0.41, -0.30}, {1, 0, 0}, 0.05, 0.04), kFlat);
-        append(iron, bar({x, 0.40, -0.265}, {x, 0.93, -0.425}, {1, 0, 0}, 0.05, 0.04), kFlat);
-        append(iron, bar({x, 0.66, -0.34}, {x, 0.66, 0.26}, {1, 0, 0}, 0.06, 0.03), kFlat);
-        append(iron, bar({x, 0.44, 0.24}, {x, 0.66, 0.24}, {1, 0, 0}, 0.04, 0.03), kFlat);
-    }
-}
-
-}  // namespace
 
 Scene make_bench() {
     Scene scene;

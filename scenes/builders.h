@@ -11,5 +11,6 @@ Scene make_fence();
 Scene make_bench();
 Scene make_windmill();
 Scene make_overlap();
+Scene make_city();
 
 }  // namespace gnomon::scenes

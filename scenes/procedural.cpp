@@ -8,7 +8,7 @@
 namespace gnomon::scenes {
 
 std::span<const ProceduralScene> procedural_scenes() {
-    static constexpr std::array<ProceduralScene, 6> kScenes = {{
+    static constexpr std::array<ProceduralScene, 7> kScenes = {{
         {"planes", "one occluder plane above one receiver plane: Chebyshev's bound is exact ([Donnelly06] 3.1)", make_planes},
         {"car", "a car on a large plane at a shallow angle under a spotlight ([Donnelly06] figure 1)", make_car},
         {"fence", "thin bars receding to the horizon: minification ([Lauritzen08] figure 2.2)", make_fence},
@@ -17,6 +17,7 @@ std::span<const ProceduralScene> procedural_scenes() {
          make_windmill},
         {"overlap", "overlapping shadows with extreme depth ratios, the worst case ([Lauritzen08] figures 4.3 and 4.4)",
          make_overlap},
+        {"city", "a street of 300 m with trees, bicycle racks and benches under the sun ([Lefohn07] figure 7)", make_city},
     }};
     return kScenes;
 }

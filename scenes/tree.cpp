@@ -50,20 +50,19 @@ void append_tree(Mesh& bark, Mesh& foliage, const Tree& tree) {
     const glm::dvec3 top = tree.foot + size * glm::dvec3(0.25, 4.1, 0.15);
     append(bark, tube(tree.foot, crotch, size * 0.17, size * 0.12, 12), kRounded);
     append(bark, tube(crotch, top, size * 0.12, size * 0.04, 10), kRounded);
-    constexpr int kLimbs = 11;
-    for (int limb = 0; limb < kLimbs; ++limb) {
-        const double share = limb / (kLimbs - 1.0);
+    for (int limb = 0; limb < tree.limbs; ++limb) {
+        const double share = limb / (tree.limbs - 1.0);
         const auto [s, c] = scalar::sincos(2.39996 * limb + 0.5);  // the golden angle in radians
         const glm::dvec3 root = crotch + (top - crotch) * (0.9 * share);
         const double reach = 1.75 - 0.9 * share;
         const glm::dvec3 tip = root + size * glm::dvec3(reach * c, random.uniform(0.5, 0.9), reach * s);
         append(bark, tube(root, tip, size * (0.055 - 0.02 * share), size * 0.016, 6), kRounded);
-        for (int twig = 0; twig < 6; ++twig) {
-            const glm::dvec3 start = root + (tip - root) * (0.4 + 0.6 * twig / 5.0);
+        for (int twig = 0; twig < tree.twigs; ++twig) {
+            const glm::dvec3 start = root + (tip - root) * (0.4 + 0.6 * twig / (tree.twigs - 1.0));
             const glm::dvec3 turn{random.uniform(-0.45, 0.45), random.uniform(0.05, 0.4), random.uniform(-0.45, 0.45)};
             const glm::dvec3 end = start + size * turn;
-            append(bark, tube(start, end, size * 0.014, size * 0.006, 4), kRounded);
-            append_leaves(leaves, {.from = start, .to = end, .leaves = 22, .size = size}, random);
+            if (tree.twigs_drawn) append(bark, tube(start, end, size * 0.014, size * 0.006, 4), kRounded);
+            append_leaves(leaves, {.from = start, .to = end, .leaves = tree.leaves, .size = size * tree.leaf_size}, random);
         }
     }
     append(foliage, leaves, kFlat);

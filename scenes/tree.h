@@ -11,11 +11,17 @@
 
 namespace gnomon::scenes {
 
-/// Where a tree stands. At size 1 the trunk is 4.1 m high and the crown 3.5 m wide: about 4,000 triangles at any size.
+/// Where a tree stands and how much there is of it. At size 1 the trunk is 4.1 m high and the crown 3.5 m wide; the whole tree
+/// has about 4,000 triangles at any size.
 struct Tree {
     glm::dvec3 foot{0.0};
     double size = 1;
     std::uint64_t seed = 1;
+    int limbs = 11;           // >= 2
+    int twigs = 6;            // of a limb, >= 2
+    int leaves = 22;          // of a twig
+    double leaf_size = 1;     // relative to the tree's size
+    bool twigs_drawn = true;  // as wood; leaves hang there in any case
 };
 
 /// Trunk, limbs that leave it in a spiral, twigs that leave the limbs; leaves around the twigs.

@@ -54,7 +54,7 @@ TEST_CASE("gnomon render writes all results, and the same hashes for any number 
 
 TEST_CASE("an exported scene renders the same bytes", "[cli]") {
     const TemporaryFolder folder;
-    for (const char* scene : {"planes", "car", "fence", "bench", "windmill", "overlap"}) {
+    for (const char* scene : {"planes", "car", "fence", "bench", "windmill", "overlap", "city"}) {
         INFO(scene);
         REQUIRE(gnomon_run(folder, fmt::format("export --scene {} --out s.glb", scene)).code == 0);
         const std::string options = "--technique pcf --size 96x72 --map 128 --reference none";
@@ -84,8 +84,8 @@ TEST_CASE("technique all has a folder per technique, and a contact sheet shows t
 TEST_CASE("gnomon list names what there is", "[cli]") {
     const TemporaryFolder folder;
     const std::string all = gnomon_run(folder, "list").out;
-    for (const char* name : {"planes", "car", "fence", "bench", "windmill", "overlap", "shadow-map", "pcf", "vsm", "d3d11",
-                             "ideal", "rg16unorm", "d24"})
+    for (const char* name : {"planes", "car", "fence", "bench", "windmill", "overlap", "city", "shadow-map", "pcf", "vsm",
+                             "d3d11", "ideal", "rg16unorm", "d24"})
         CHECK(all.find(name) != std::string::npos);
     CHECK(gnomon_run(folder, "list profiles --verbose").out.find("texel_fraction_bits") != std::string::npos);
 }
