@@ -93,34 +93,32 @@ void FlickerMeter::add(const FrameImages& frame) {
     for (Track& track : tracks_) {
         const auto pixel = pixel_showing(track.point, frame.camera, frame.depth);
         if (!pixel || !is_judged(frame.visibility, frame.truth, *pixel)) continue;
+        const auto truth = static_cast<double>(frame.truth.visibility[*pixel]);
         const double error = error_of(frame.visibility.values[*pixel], frame.truth.visibility[*pixel]);
-        const double visibility = error + static_cast<double>(frame.truth.visibility[*pixel]);
-        if (track.last_frame && *track.last_frame + 1 == frames_) {
-            ++pairs_;
-            error_changes_ += std::fabs(error - track.last_error);
-            visibility_changes_ += std::fabs(visibility - track.last_visibility);
+        const std::array<double, kQuantities> now{truth + error, truth, error};
+        const bool follows = track.last_frame && *track.last_frame + 1 == frames_;
+        pairs_ += follows;
+        for (std::size_t i = 0; i < kQuantities; ++i) {
+            if (follows) changes_[i] += std::fabs(now[i] - track.last[i]);
+            track.over_frames[i].add(now[i]);
         }
-        track.error.add(error);
-        track.visibility.add(visibility);
+        track.last = now;
         track.last_frame = frames_;
-        track.last_error = error;
-        track.last_visibility = visibility;
     }
     ++frames_;
 }
 
 Flicker FlickerMeter::result() const {
-    std::vector<double> errors;
-    std::vector<double> visibilities;
+    std::array<std::vector<double>, kQuantities> deviations;
     for (const Track& track : tracks_) {
-        if (track.error.count() < kLeastFrames) continue;
-        errors.push_back(track.error.deviation());
-        visibilities.push_back(track.visibility.deviation());
+        if (track.over_frames[0].count() < kLeastFrames) continue;
+        for (std::size_t i = 0; i < kQuantities; ++i) deviations[i].push_back(track.over_frames[i].deviation());
     }
-    return {.points = errors.size(),
+    return {.points = deviations[0].size(),
             .pairs = pairs_,
-            .error = summary(errors, error_changes_, pairs_),
-            .visibility = summary(visibilities, visibility_changes_, pairs_)};
+            .visibility = summary(deviations[0], changes_[0], pairs_),
+            .truth = summary(deviations[1], changes_[1], pairs_),
+            .error = summary(deviations[2], changes_[2], pairs_)};
 }
 
 }  // namespace gnomon::studies

@@ -1,10 +1,12 @@
 // How steady a shadow is while the camera moves: fixed points of surfaces, followed from frame to frame.
 //
-// A pixel's centre is not exactly the point that falls into the pixel, and from frame to frame it lies elsewhere beside it.
-// Near the edge of a shadow the truth therefore differs between the frames, and a machine that is right in every one of them
-// would seem to flicker. So there are two measures. The flicker of the *error* takes the truth at the pixel's centre in each
-// frame off first: it is 0 for a machine that is right. The flicker of the *visibility* is what an eye sees at the point: the
-// point's own truth never changes (nothing but the camera moves), so against it only the visibility does.
+// Nothing but the camera moves, so a point's own truth never changes, and what flickers against it is the visibility alone:
+// that is the flicker of a point. It is read at the centre of the pixel that the point falls into, which is not exactly the
+// point and from frame to frame lies elsewhere beside it: near the edge of a shadow even a machine that is always right
+// flickers. How much, the flicker of the truth at the same pixels says. The flicker of the error, visibility less truth at the
+// pixel's centre in each frame, takes that off pixel by pixel: it is 0 for a machine that is always right. But a soft edge that
+// stays where it is has an error that jumps wherever the hard truth does, so to compare methods of different softness, or one
+// with and without a cure, the first is the better measure.
 #pragma once
 
 #include "scenes/reference.h"
@@ -12,6 +14,7 @@
 #include "sim/fields.h"
 #include "studies/images.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -22,10 +25,10 @@ namespace gnomon::studies {
 /// A point counts when it was judged in so many frames.
 inline constexpr std::uint32_t kLeastFrames = 3;
 
-/// Points lie at the centres of the pixels of the first frame whose x and y leave this over from twice this.
+/// Points are those that the first frame shows at the centres of every eighth pixel of every eighth row, from 4 on.
 inline constexpr int kPointSpacing = 8;  // pixels
 
-/// The deviation of numbers that come one by one. Of numbers that are all the same it is exactly 0. [Welford62]
+/// The deviation of numbers that come one by one. Of numbers that are all the same it is exactly 0.
 class RunningDeviation {
 public:
     void add(double value);
@@ -58,8 +61,9 @@ struct Unsteadiness {
 struct Flicker {
     std::uint64_t points = 0;  // judged in kLeastFrames frames or more
     std::uint64_t pairs = 0;   // what `change` is the mean of
-    Unsteadiness error;        // of visibility - truth of the same pixel in the same frame
-    Unsteadiness visibility;   // of visibility - the point's own truth, which is constant
+    Unsteadiness visibility;   // less the point's own truth, which is constant
+    Unsteadiness truth;        // at the centres of the same pixels
+    Unsteadiness error;        // visibility - truth at the centre of the pixel in each frame
 
     bool operator==(const Flicker&) const = default;
 };
@@ -78,7 +82,7 @@ struct FrameImages {
 std::optional<std::size_t> pixel_showing(const scenes::SurfacePoint& point, const scenes::View& camera,
                                          const FloatImage& depth);
 
-/// Pixels of the grid.
+/// Pixels kPointSpacing apart, x and y from half of it on, row by row.
 std::vector<glm::ivec2> grid_pixels(int width, int height);
 
 /// Follows points through the frames of a sequence.
@@ -93,20 +97,19 @@ public:
     [[nodiscard]] Flicker result() const;
 
 private:
+    static constexpr std::size_t kQuantities = 3;  // visibility, truth, error
+
     struct Track {
         scenes::SurfacePoint point{};
-        RunningDeviation error{};
-        RunningDeviation visibility{};
+        std::array<RunningDeviation, kQuantities> over_frames{};
+        std::array<double, kQuantities> last{};
         std::optional<int> last_frame{};  // in which it was judged
-        double last_error = 0;
-        double last_visibility = 0;
     };
 
     std::vector<Track> tracks_;
     int frames_ = 0;
     std::uint64_t pairs_ = 0;
-    double error_changes_ = 0;
-    double visibility_changes_ = 0;
+    std::array<double, kQuantities> changes_{};  // absolute, summed over the pairs
 };
 
 }  // namespace gnomon::studies

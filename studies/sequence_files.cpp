@@ -48,8 +48,9 @@ Json flicker_json(const std::optional<Flicker>& flicker) {
     if (!flicker) return {};
     return {{"points", flicker->points},
             {"pairs", flicker->pairs},
-            {"error", fields_json(flicker->error)},
-            {"visibility", fields_json(flicker->visibility)}};
+            {"visibility", fields_json(flicker->visibility)},
+            {"truth", fields_json(flicker->truth)},
+            {"error", fields_json(flicker->error)}};
 }
 
 }  // namespace
@@ -86,8 +87,9 @@ std::string sequence_footer(const Sequence& sequence) {
         fmt::format_to(std::back_inserter(text), "{:<12}{:>9.5f} {:>9.5f} {:>9.5f} {:>9.5f} {:>14.5f}\n", name, u.mean, u.p95,
                        u.p99, u.worst, u.change);
     };
-    add("error", flicker->error);
     add("visibility", flicker->visibility);
+    add("truth", flicker->truth);
+    add("error", flicker->error);
     return text;
 }
 
