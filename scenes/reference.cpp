@@ -179,4 +179,18 @@ ReferenceImage trace_reference(const Scene& scene, const View& camera, const Vie
     return image;
 }
 
+std::vector<std::optional<SurfacePoint>> trace_points(const Scene& scene, const View& camera, int width, int height,
+                                                      std::span<const glm::ivec2> pixels) {
+    const EmbreeScene traced(scene);
+    const CameraRays camera_rays(camera, width, height);
+    std::vector<std::optional<SurfacePoint>> points;
+    points.reserve(pixels.size());
+    for (const glm::ivec2& pixel : pixels) {
+        const auto hit = traced.nearest(camera_rays.through(glm::dvec2(pixel) + 0.5));
+        points.emplace_back();
+        if (hit) points.back() = SurfacePoint{hit->position_ws, hit->geometric_normal_ws};
+    }
+    return points;
+}
+
 }  // namespace gnomon::scenes

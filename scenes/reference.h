@@ -5,7 +5,12 @@
 #include "scenes/view.h"
 #include "sim/progress.h"
 
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 namespace gnomon::scenes {
@@ -37,5 +42,16 @@ struct ReferenceImage {
 /// `progress`.
 ReferenceImage trace_reference(const Scene& scene, const View& camera, const View& light, int width, int height,
                                const ReferenceOptions& options, const Progress& progress = {});
+
+/// A point of a surface.
+struct SurfacePoint {
+    glm::dvec3 position_ws{0.0};
+    glm::dvec3 normal_ws{0.0};  // of the triangle, not interpolated; unit length, on either side
+};
+
+/// What the camera sees at the centres of pixels (x from the left, y from the top), one after the other; nothing where a ray
+/// meets nothing. Throws Error when Embree refuses the scene.
+std::vector<std::optional<SurfacePoint>> trace_points(const Scene& scene, const View& camera, int width, int height,
+                                                      std::span<const glm::ivec2> pixels);
 
 }  // namespace gnomon::scenes

@@ -1,7 +1,5 @@
 #include "studies/experiment.h"
 
-#include "sim/warn.h"
-
 #include "sim/lanes.h"
 #include "traces/hash.h"
 
@@ -77,16 +75,20 @@ const scenes::ReferenceImage* Experiment::truth(const Progress& progress) {
     if (!truth_) {
         const auto begin = std::chrono::steady_clock::now();
         const float aspect = static_cast<float>(request_.width) / static_cast<float>(request_.height);
-        const scenes::ReferenceOptions options{
-            .mode = request_.truth == Truth::Area ? scenes::ReferenceMode::Area : scenes::ReferenceMode::Center,
-            .seed = request_.seed,
-            .threads = request_.threads};
-        truth_ = scenes::trace_reference(scene_, scenes::camera_view(scene_.camera, aspect),
-                                         scenes::light_view(scene_.light, scene_.bounds()), request_.width, request_.height,
-                                         options, progress);
+        truth_ = trace(scenes::camera_view(scene_.camera, aspect), progress);
         truth_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     }
     return &*truth_;
+}
+
+scenes::ReferenceImage Experiment::trace(const scenes::View& camera, const Progress& progress) const {
+    GNOMON_CHECK(request_.truth != Truth::None);
+    const scenes::ReferenceOptions options{
+        .mode = request_.truth == Truth::Area ? scenes::ReferenceMode::Area : scenes::ReferenceMode::Center,
+        .seed = request_.seed,
+        .threads = request_.threads};
+    return scenes::trace_reference(scene_, camera, scenes::light_view(scene_.light, scene_.bounds()), request_.width,
+                                   request_.height, options, progress);
 }
 
 RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
@@ -141,14 +143,8 @@ RenderResult Experiment::run(const PlannedRun& plan, const Progress& progress,
     }
     for (const PassResult& pass : result.passes) result.frame_ms += pass.milliseconds;
 
-    if (const scenes::ReferenceImage* reference = truth(progress)) {
-        result.metrics = measure(result.visibility, *reference);
-        if (result.metrics->pixels == 0) {
-            // Zeros would read as a perfect result.
-            warn_once("no pixel can be judged: nothing drawn faces the light inside its frustum; there are no metrics");
-            result.metrics.reset();
-        }
-    }
+    if (const scenes::ReferenceImage* reference = truth(progress))
+        result.metrics = measure_judged(result.visibility, *reference);
     result.truth_ms = truth_ms_;
     return result;
 }

@@ -112,9 +112,13 @@ public:
 
     [[nodiscard]] std::span<const PlannedRun> runs() const { return runs_; }
     [[nodiscard]] const scenes::Scene& scene() const { return scene_; }
+    [[nodiscard]] const Profile& profile() const { return profile_; }
 
     /// The truth, traced once; null with Truth::None. Throws Stopped through `progress`.
     const scenes::ReferenceImage* truth(const Progress& progress);
+
+    /// The truth as another camera sees it, traced anew; not with Truth::None. Throws Stopped through `progress`.
+    [[nodiscard]] scenes::ReferenceImage trace(const scenes::View& camera, const Progress& progress) const;
 
     /// Renders and measures. `on_command` sees the commands that create the resources and then those of one frame. Throws
     /// Stopped through `progress`, at the latest before the next command of the device.

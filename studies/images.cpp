@@ -8,7 +8,7 @@
 namespace gnomon::studies {
 
 FloatImage float_image(const Texture& texture) {
-    GNOMON_CHECK(texture.desc().format == Format::R32Float);
+    GNOMON_CHECK(texture.desc().format == Format::R32Float || texture.desc().format == Format::D32Float);
     const std::vector<std::byte> bytes = texture.level_bytes(0);
     FloatImage image{texture.width(0), texture.height(0), std::vector<float>(bytes.size() / sizeof(float))};
     std::memcpy(image.values.data(), bytes.data(), bytes.size());

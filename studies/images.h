@@ -32,7 +32,7 @@ struct ByteImage {
     std::vector<std::uint8_t> values;
 };
 
-/// Level 0 of a texture in Format::R32Float.
+/// Level 0 of a texture in Format::R32Float or Format::D32Float.
 FloatImage float_image(const Texture& texture);
 
 /// Red, green and blue of level 0 of a texture in Format::Rgba8Unorm.

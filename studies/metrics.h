@@ -5,7 +5,10 @@
 #include "sim/fields.h"
 #include "studies/images.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 namespace gnomon::studies {
 
@@ -43,7 +46,17 @@ struct Metrics {
 /// Whether pixel `i` is judged.
 bool is_judged(const FloatImage& visibility, const scenes::ReferenceImage& truth, std::size_t i);
 
+/// visibility - truth of one pixel; of a visibility that is no finite number, an error of 1.
+double error_of(float visibility, float truth);
+
+/// The smallest of the values that at least `percent` % of them do not exceed (nearest rank), 1 to 100; of none, 0. Reorders
+/// them.
+double percentile(std::vector<double>& values, std::size_t percent);
+
 /// Means over no pixels are 0. The images must have one size.
 Metrics measure(const FloatImage& visibility, const scenes::ReferenceImage& truth);
+
+/// The same; none, and a warning, when no pixel is judged: zeros would read as a perfect result.
+std::optional<Metrics> measure_judged(const FloatImage& visibility, const scenes::ReferenceImage& truth);
 
 }  // namespace gnomon::studies

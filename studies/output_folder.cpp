@@ -83,9 +83,31 @@ OutputFolder::OutputFolder(const fs::path& path)
     staging_ = make_staging(path_, out_option(path));
 }
 
+fs::path OutputFolder::file(const std::string& name) const {
+    fs::path path = staging_ / name;
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    if (error) fail("{}: {} cannot be written: {}", out_option(path_), name, error.message());
+    return path;
+}
+
+std::vector<std::string> OutputFolder::files_in(const std::string& folder) const {
+    std::vector<std::string> names;
+    std::error_code ignored;
+    for (fs::directory_iterator at(path_ / folder, ignored), end; at != end; at.increment(ignored))
+        if (!at->is_directory(ignored)) names.push_back(folder + "/" + at->path().filename().string());
+    std::ranges::sort(names);
+    return names;
+}
+
 void OutputFolder::check_replaceable(const std::vector<std::string>& owned) const {
-    for (const std::string& name : owned)
+    std::error_code ignored;
+    for (const std::string& name : owned) {
         if (is_folder(path_ / name)) fail("{}: {} is a folder there, expected a file to replace", out_option(path_), name);
+        const fs::path inside = (path_ / name).parent_path();
+        if (fs::exists(inside, ignored) && !is_folder(inside))
+            fail("{}: {} is not a folder there", out_option(path_), inside.filename().string());
+    }
 }
 
 OutputFolder::~OutputFolder() {
@@ -111,8 +133,11 @@ void OutputFolder::commit(const std::vector<std::string>& owned) {
         const bool prepared = fs::exists(staging_ / *name, error);
         if (!prepared || name == owned.rbegin()) fs::remove(path_ / *name, error);
     }
-    for (const std::string& name : owned)
-        if (fs::exists(staging_ / name, error)) move_file(staging_ / name, path_ / name, out_option(path_));
+    for (const std::string& name : owned) {
+        if (!fs::exists(staging_ / name, error)) continue;
+        fs::create_directories((path_ / name).parent_path(), error);
+        move_file(staging_ / name, path_ / name, out_option(path_));
+    }
 }
 
 OutputFile::OutputFile(const fs::path& path, const std::string& what) : path_(plain(path, what)), what_(what) {

@@ -29,10 +29,13 @@ public:
     OutputFolder(const OutputFolder&) = delete;
     OutputFolder& operator=(const OutputFolder&) = delete;
 
-    /// Where a file is to be written before commit().
-    [[nodiscard]] std::filesystem::path file(const std::string& name) const { return staging_ / name; }
+    /// Where a file is to be written before commit(). A name may lead into folders inside; they are made.
+    [[nodiscard]] std::filesystem::path file(const std::string& name) const;
 
-    /// Throws Error when one of the names is a folder already, so that commit() could not replace it.
+    /// The names of the files that lie in a folder inside now, such as "frames/0000_color.png", sorted.
+    [[nodiscard]] std::vector<std::string> files_in(const std::string& folder) const;
+
+    /// Throws Error when one of the names is a folder already, so that commit() could not replace it, or leads through a file.
     void check_replaceable(const std::vector<std::string>& owned) const;
 
     /// Moves every prepared file into the folder. Of the names in `owned`, those that were not prepared now are removed: they

@@ -26,14 +26,19 @@ Drawn drawn(const FloatImage& visibility) {
     return result;
 }
 
+}  // namespace
+
+void write_visibility(const std::filesystem::path& path, const FloatImage& visibility) {
+    const Drawn machine = drawn(visibility);
+    write_exr(path, machine.visibility, machine.alpha);
+}
+
 void write_text(const std::filesystem::path& path, const std::string& text) {
     std::ofstream file(path, std::ios::binary);
     file << text;
     file.close();
     if (!file) fail("{}: the file cannot be written", path.string());
 }
-
-}  // namespace
 
 const std::vector<std::string>& result_file_names() {
     static const std::vector<std::string> names{"color.png",     "visibility.exr", "visibility.png",  "reference.exr",

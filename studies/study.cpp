@@ -1,8 +1,8 @@
 // Studies from cases to rows, and rows as text and JSON.
 #include "studies/study.h"
 
+#include "studies/configuration.h"
 #include "studies/report.h"
-#include "traces/json_values.h"
 
 #include <algorithm>
 #include <memory>
@@ -32,13 +32,6 @@ void check_names(const Study& study, const std::vector<std::string>& scenes) {
     for (const StudyCase& what : study.cases)
         (void)techniques::resolve_settings(techniques::find_technique(what.technique), what.request,
                                            load_profile(what.profile));
-}
-
-template <HasFields T>
-Json fields_json(const T& values) {
-    Json json;
-    for_each_field(values, [&](std::string_view name, const auto& value) { json[std::string(name)] = value; });
-    return json;
 }
 
 Json row_json(const StudyRow& row) {
@@ -123,7 +116,7 @@ std::string study_json(const Study& study, const StudyOptions& options, std::spa
     json["reference"] = name_of(options.truth);
     json["rows"] = Json::array();
     for (const StudyRow& row : rows) json["rows"].push_back(row_json(row));
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return file_text(json);
 }
 
 }  // namespace gnomon::studies

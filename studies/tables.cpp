@@ -1,4 +1,5 @@
 // The tables that `gnomon render` prints.
+#include "studies/configuration.h"
 #include "studies/report.h"
 
 #include <algorithm>
@@ -9,34 +10,6 @@
 namespace gnomon::studies {
 
 namespace {
-
-/// 1234567 as 1,234,567.
-std::string grouped(std::uint64_t value) {
-    const std::string digits = fmt::format("{}", value);
-    std::string text;
-    for (std::size_t i = 0; i < digits.size(); ++i) {
-        if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
-        text.push_back(digits[i]);
-    }
-    return text;
-}
-
-/// What the technique was told, as on the command line; only what it takes.
-std::string settings_text(const RenderResult& result) {
-    const techniques::Technique& technique = techniques::find_technique(result.request.technique);
-    const techniques::TechniqueSettings& settings = result.settings;
-    std::string text = fmt::format("{}, map {}, {}, {}", technique.name, settings.map_size, name_of(settings.format),
-                                   name_of(settings.filter));
-    auto out = std::back_inserter(text);
-    if (settings.map_samples > 1) fmt::format_to(out, ", {} samples", settings.map_samples);
-    if (settings.anisotropy > 1) fmt::format_to(out, ", aniso {}", settings.anisotropy);
-    if (settings.cascades > 0) fmt::format_to(out, ", {} cascades", settings.cascades);
-    for (const auto& [parameter, value, is_set] : settings.parameters.entries())
-        fmt::format_to(out, ", {} {}", parameter.name, techniques::text_of(parameter, value));
-    if (settings.depth_bias != 0) fmt::format_to(out, ", depth bias {}", settings.depth_bias);
-    if (settings.slope_bias != 0.0f) fmt::format_to(out, ", slope bias {}", settings.slope_bias);
-    return text;
-}
 
 /// A row per name, a column per pass; rows of zeros are left out, and with them a table without rows.
 void append_table(std::string& text, std::string_view title, const std::vector<PassResult>& passes,
@@ -71,7 +44,7 @@ std::string report_text(const RenderResult& result) {
     auto out = std::back_inserter(text);
     fmt::format_to(out, "scene       {}{}, {} triangles\n", request.scene,
                    request.file_options.ground ? " on a ground plane" : "", grouped(result.scene.triangles));
-    fmt::format_to(out, "technique   {}\n", settings_text(result));
+    fmt::format_to(out, "technique   {}\n", settings_text(request.technique, result.settings));
     fmt::format_to(out, "image       {}x{}, profile {}, {} thread{}\n", request.width, request.height, result.profile.name,
                    result.host.threads, result.host.threads == 1 ? "" : "s");
     if (result.metrics) {

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <cmath>
+#include <vector>
 
 using namespace gnomon;
 using namespace gnomon::scenes;
@@ -58,6 +59,30 @@ TEST_CASE("the traced shadow of a plate is the square it must be", "[scenes][ref
         }
     }
     CHECK(shadowed > 1000);
+}
+
+TEST_CASE("points of surfaces lie under the centres of their pixels", "[scenes][reference]") {
+    const Scene scene = plate_scene();
+    constexpr int kSize = 128;
+    const std::vector<glm::ivec2> pixels{{0, 0}, {64, 63}, {127, 5}, {20, 100}};
+    const auto points = trace_points(scene, camera_view(scene.camera, 1.0f), kSize, kSize, pixels);
+    REQUIRE(points.size() == pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        REQUIRE(points[i]);
+        const double reach = std::tan(0.7);
+        CHECK(points[i]->position_ws.x == Approx(((pixels[i].x + 0.5) / kSize * 2 - 1) * reach).epsilon(1e-6));
+        CHECK(points[i]->position_ws.y == Approx(0.0).margin(1e-6));
+        CHECK(points[i]->position_ws.z == Approx(((pixels[i].y + 0.5) / kSize * 2 - 1) * reach).epsilon(1e-6));
+        CHECK(std::fabs(points[i]->normal_ws.y) == Approx(1.0).epsilon(1e-6));
+    }
+
+    // Nothing under a ray is nothing: a camera beside, that looks out over the edge of the receiver.
+    Camera aside = scene.camera;
+    aside.world_from_camera = looking_at({4.5, 1, 0}, {4.5, 0, 0});
+    const std::vector<glm::ivec2> across{{0, 64}, {127, 64}};
+    const auto seen = trace_points(scene, camera_view(aside, 1.0f), kSize, kSize, across);
+    CHECK(seen[0]);
+    CHECK(!seen[1]);
 }
 
 TEST_CASE("the reference does not depend on threads, and its two modes agree away from edges", "[scenes][reference]") {

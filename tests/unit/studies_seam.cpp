@@ -57,7 +57,6 @@ TEST_CASE("Measures: nothing is bad in a calm picture", "[seam]") {
     CHECK(measures.pixels == 16);
     CHECK(measures.quads == 4);
     CHECK(measures.disagreeing_quads == 0);
-    CHECK(measures.crossed_pixels == 0);
     CHECK(measures.bad_quads == 0);
     CHECK(measures.bad_pixels == 0);
     CHECK(measures.outside_pixels == 0);
@@ -95,7 +94,6 @@ TEST_CASE("Measures: quads disagree by their flag, pixels are crossed by their o
     CHECK(measures.pixels == 14);
     CHECK(measures.quads == 4);
     CHECK(measures.disagreeing_quads == 1);
-    CHECK(measures.crossed_pixels == 4);
     CHECK(measures.outside_pixels == 1);
 }
 
@@ -111,7 +109,6 @@ TEST_CASE("Measures: what is not drawn counts for nothing", "[seam]") {
     CHECK(measures.pixels == 11);
     CHECK(measures.quads == 3);
     CHECK(measures.disagreeing_quads == 0);
-    CHECK(measures.crossed_pixels == 3);
     CHECK(measures.bad_pixels == 0);
     CHECK(measures.bad_quads == 0);
     CHECK(measures.outside_pixels == 0);
