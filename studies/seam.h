@@ -1,5 +1,5 @@
 // The seam laboratory: what the lanes of a quad do where a discrete choice (a split, a layer, a face, a tile) differs between
-// them, the level of detail that their sample takes from it, and what it should have been. [Lauritzen06]
+// them, the level of detail that their sample takes from it, and what it should have been. [PSVSM]
 #pragma once
 
 #include "pipeline/device.h"

@@ -1,4 +1,4 @@
-// The quad that straddles two splits of the view frustum, on a scene and under a technique: [Lauritzen06], looked at.
+// The quad that straddles two splits of the view frustum, on a scene and under a technique: [PSVSM], looked at.
 #pragma once
 
 #include "sim/progress.h"

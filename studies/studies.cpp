@@ -138,16 +138,15 @@ Study tables() {
 Study splits() {
     Study study{.name = "splits",
                 .summary = "one map and four, nearest and filtered, with as many texels; then split schemes, counts and cures",
-                .source = "[Lauritzen06]; [Zhang06], [Lauritzen10]",
+                .source = "[PSVSM]; [Zhang06], [Lauritzen10]",
                 .scenes = {"city"},
                 .cases = {}};
     // A variance of depth that hides shadows of things less than a metre above the ground is too large for a scene this deep.
     const auto add = [&](std::string group, std::string label, const std::string& technique, int cascades, ParameterTexts set) {
         TechniqueRequest request{.map_size = cascades == 0 ? 1024 : 512, .cascades = cascades, .set = std::move(set)};
-        if (technique == "vsm" || technique == "psvsm") {
-            request.anisotropy = 16;
-            request.set.emplace_back("min-variance", "1e-7");
-        }
+        const bool filters = technique != "shadow-map" && technique != "pssm" && technique != "pcf";
+        if (filters) request.anisotropy = 16;
+        if (technique == "vsm" || technique == "psvsm") request.set.emplace_back("min-variance", "1e-7");
         study.cases.push_back(in_group(std::move(group), std::move(label), technique, std::move(request)));
     };
     const std::string filtered = "psvsm";

@@ -39,7 +39,7 @@ const Technique kPcfHardware{.name = "pcf-hw",
 
 const Technique kPssm{.name = "pssm",
                       .summary = "parallel-split shadow maps: one comparison in the map of the fragment's split",
-                      .source = "[Zhang06], [Lauritzen06]",
+                      .source = "[Zhang06], [PSVSM]",
                       .formats = kFormats,
                       .filters = kNearest,
                       .parameters = depth_map_parameters(),

@@ -38,7 +38,7 @@ const Technique kVsm{.name = "vsm",
 
 const Technique kPsvsm{.name = "psvsm",
                        .summary = "parallel-split variance shadow maps: vsm in the map of the fragment's split",
-                       .source = "[Lauritzen06]",
+                       .source = "[PSVSM]",
                        .formats = kFormats,
                        .filters = kFilters,
                        .parameters = parameters(),

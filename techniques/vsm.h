@@ -42,6 +42,6 @@ struct VsmReceiver {
 };
 
 extern const Technique kVsm;
-extern const Technique kPsvsm;  // kVsm with a map for each of four splits. [Lauritzen06]
+extern const Technique kPsvsm;  // kVsm with a map for each of four splits. [PSVSM]
 
 }  // namespace gnomon::techniques

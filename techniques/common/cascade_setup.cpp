@@ -1,4 +1,4 @@
-// Splits and windows of a frame. [Lauritzen06] steps 1, 2a, 2b; [Zhang06]; [Lauritzen10]
+// Splits and windows of a frame. [PSVSM] steps 1, 2a, 2b; [Zhang06]; [Lauritzen10]
 #include "techniques/common/cascade_setup.h"
 
 #include "sim/error.h"

@@ -1,4 +1,4 @@
-// From a camera, a light and the settings to the splits of a frame and the window of each: steps 1, 2a and 2b of [Lauritzen06].
+// From a camera, a light and the settings to the splits of a frame and the window of each: steps 1, 2a and 2b of [PSVSM].
 #pragma once
 
 #include "scenes/convex.h"
@@ -34,7 +34,7 @@ namespace gnomon::techniques {
 scenes::Hexahedron frustum_slice(const scenes::View& camera, double nearest, double farthest);
 
 /// The minimum bounding rectangle of what the light shines on in a slice of the camera's frustum; all of the light's projection
-/// where it shines on nothing. [Lauritzen06] step 2a
+/// where it shines on nothing. [PSVSM] step 2a
 MapWindow bounding_window(const scenes::Hexahedron& slice, const scenes::View& light);
 
 /// Room around a window for filters that reach beyond it: so many texels on each side of a map of `map_size` texels.

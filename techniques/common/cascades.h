@@ -1,5 +1,5 @@
 // Several shadow maps, one for each split of the view frustum: which of them a fragment reads, and where.
-// [Lauritzen06] steps 3 and 4
+// [PSVSM] steps 3 and 4
 #pragma once
 
 #include "sim/fields.h"
@@ -44,7 +44,7 @@ struct Cascades {
         return value;
     }
 
-    /// The split that holds a camera-space distance; beyond the last one, the last. [Lauritzen06] step 3
+    /// The split that holds a camera-space distance; beyond the last one, the last. [PSVSM] step 3
     template <class Real>
     [[nodiscard]] Real split_of(const Real& distance) const {
         Real split(0.0f);
@@ -63,7 +63,7 @@ struct Cascades {
         return own;
     }
 
-    /// Coordinates in the map of `split`. [Lauritzen06] step 4
+    /// Coordinates in the map of `split`. [PSVSM] step 4
     template <class Real>
     [[nodiscard]] Vec2<Real> coordinates(const Vec2<Real>& uv, const Real& split) const {
         return {uv.x * at_split(scale_u, split) + at_split(offset_u, split),

@@ -85,7 +85,7 @@ public:
     void render(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
                 PassTimer& timer) const;
     /// Blurs and makes mips, as the settings ask. The kernel grows with the zoom of the window, so that shadows in every window
-    /// are as soft. [Lauritzen06] steps 2d, 2e
+    /// are as soft. [PSVSM] steps 2d, 2e
     void filter(const MapWindow& window, PassTimer& timer) const;
 
     [[nodiscard]] TextureId id() const { return map_; }

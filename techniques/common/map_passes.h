@@ -1,4 +1,4 @@
-// The passes of one shadow map, and those of a frame with one such map or with a cascade of them. [Lauritzen06] steps 2 to 7
+// The passes of one shadow map, and those of a frame with one such map or with a cascade of them. [PSVSM] steps 2 to 7
 #pragma once
 
 #include "pipeline/program.h"

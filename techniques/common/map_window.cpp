@@ -1,4 +1,4 @@
-// Zooming in on a rectangle of the light's projection. [Lauritzen06] step 2b
+// Zooming in on a rectangle of the light's projection. [PSVSM] step 2b
 #include "techniques/common/map_window.h"
 
 namespace gnomon::techniques {

@@ -1,5 +1,5 @@
 // Which part of the light's projection a shadow map shows: all of it, or a rectangle that is zoomed in on.
-// [Lauritzen06] steps 2a and 2b
+// [PSVSM] steps 2a and 2b
 #pragma once
 
 #include "scenes/view.h"
@@ -15,7 +15,7 @@ struct MapWindow {
     glm::dvec2 low{0.0};
     glm::dvec2 high{1.0};  // > low
 
-    /// How much larger than in the whole projection everything is: the "zoom factors" of [Lauritzen06] step 2b.
+    /// How much larger than in the whole projection everything is: the "zoom factors" of [PSVSM] step 2b.
     [[nodiscard]] glm::dvec2 zoom() const { return 1.0 / (high - low); }
     [[nodiscard]] bool is_whole() const { return low == glm::dvec2(0.0) && high == glm::dvec2(1.0); }
     bool operator==(const MapWindow&) const = default;

@@ -1,5 +1,5 @@
 // Cures for the quad that straddles two splits: its lanes would take texture coordinates from two unrelated projections, and
-// the difference of the two, which is the filter's size, would mean nothing. [Lauritzen06] "Texture coordinate derivatives"
+// the difference of the two, which is the filter's size, would mean nothing. [PSVSM] "Texture coordinate derivatives"
 #pragma once
 
 #include "sim/enum_names.h"
@@ -11,7 +11,7 @@ namespace gnomon::techniques {
 
 enum class SeamCure {
     None,                  // each lane its own split, derivatives across the seam
-    QuadMin,               // one split per quad: log2 of the difference of 2^split. [Lauritzen06]
+    QuadMin,               // one split per quad: log2 of the difference of 2^split. [PSVSM]
     QuadMax,               // the same, one more
     QuadBroadcast,         // one split per quad: that of its top-left lane
     ExplicitGradients,     // each lane its own split; derivatives of every projection are taken first, then one is chosen
@@ -36,7 +36,7 @@ inline constexpr std::array kEnumNames<techniques::SeamCure>{
 namespace gnomon::techniques {
 
 /// The largest difference of 2^split in the quad as derivative instructions show it: in x, in y, and in x of that in y. Of two
-/// neighbours with splits x and x + 1 both compute 2^(x+1) - 2^x = 2^x. [Lauritzen06]
+/// neighbours with splits x and x + 1 both compute 2^(x+1) - 2^x = 2^x. [PSVSM]
 template <class F, class Real = typename F::Real>
 Real power_difference(const F& f, const Real& split) {
     const Real power = f.exp2(split);
@@ -46,11 +46,11 @@ Real power_difference(const F& f, const Real& split) {
     return max(dxy, max(dx, dy));
 }
 
-/// The smaller of two neighbouring splits in all lanes of a quad: log2(2^x) = x. [Lauritzen06]
+/// The smaller of two neighbouring splits in all lanes of a quad: log2(2^x) = x. [PSVSM]
 ///
 /// Splits x and x + k differ by 2^x (2^k - 1): rounded, the logarithm is x for k = 1, x + 2 for k = 2 (log2 3 = 1.58) and x + k
 /// beyond. Lanes agree where the quad has two splits and the derivatives see both: coarse ones do not read the lane opposite
-/// to their corner. tests/techniques/lauritzen06_seams.cpp has all 4096 quads.
+/// to their corner. tests/techniques/psvsm_trick.cpp has all 4096 quads.
 template <class F, class Real = typename F::Real>
 Real quad_min_split(const F& f, const Real& split) {
     const Real difference = power_difference(f, split);

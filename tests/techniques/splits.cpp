@@ -1,4 +1,4 @@
-// Where the view frustum is cut and what each map shows of the light: closed forms. [Zhang06], [Lauritzen06] steps 1, 2a, 2b
+// Where the view frustum is cut and what each map shows of the light: closed forms. [Zhang06], [PSVSM] steps 1, 2a, 2b
 #include "techniques/common/splits.h"
 #include "scenes/convex.h"
 #include "techniques/common/cascade_setup.h"
@@ -111,7 +111,7 @@ TEST_CASE("the depths in view, counted on the device, are those of the depth buf
     }
 }
 
-TEST_CASE("a slice of the frustum and its bounding rectangle under a sun straight above", "[techniques][splits][Lauritzen06]") {
+TEST_CASE("a slice of the frustum and its bounding rectangle under a sun straight above", "[techniques][splits][PSVSM]") {
     const scenes::View camera = straight_camera(1, 80);
     const scenes::View sun = sun_above();
     // From 10 to 40 m the frustum covers x in [-40, 40] and z in [-40, -10]: the light sees 200 m and its margins, and world -z
@@ -134,7 +134,7 @@ TEST_CASE("a slice of the frustum and its bounding rectangle under a sun straigh
 }
 
 TEST_CASE("every point of a split that the light sees lies in its window, under spots too",
-          "[techniques][splits][Lauritzen06]") {
+          "[techniques][splits][PSVSM]") {
     for (const std::string_view name : {"car", "fence", "windmill", "overlap"}) {
         const scenes::Scene& scene = gnomon::testing::scene_of(name);
         const scenes::View camera = scenes::camera_view(scene.camera, 4.0f / 3.0f);
@@ -173,7 +173,7 @@ TEST_CASE("every point of a split that the light sees lies in its window, under 
     }
 }
 
-TEST_CASE("the zoomed projection puts the window's corners on the map's", "[techniques][splits][Lauritzen06]") {
+TEST_CASE("the zoomed projection puts the window's corners on the map's", "[techniques][splits][PSVSM]") {
     for (const std::string_view name : {"car", "planes"}) {
         const scenes::Scene& scene = gnomon::testing::scene_of(name);
         const scenes::View light = scenes::light_view(scene.light, scene.bounds());
@@ -192,7 +192,7 @@ TEST_CASE("the zoomed projection puts the window's corners on the map's", "[tech
     }
 }
 
-TEST_CASE("margins leave room, and blur kernels grow with the zoom", "[techniques][splits][Lauritzen06]") {
+TEST_CASE("margins leave room, and blur kernels grow with the zoom", "[techniques][splits][PSVSM]") {
     const MapWindow window{.low = {0.25, 0.25}, .high = {0.75, 0.5}};
     const MapWindow wider = with_margin(window, 16, 512);
     CHECK(holds(wider, window));

@@ -1,5 +1,5 @@
 // The quad that straddles two splits, on scenes: what is wrong without a cure, and what each cure leaves.
-// [Lauritzen06] "Texture coordinate derivatives"
+// [PSVSM] "Texture coordinate derivatives"
 #include "studies/seam_splits.h"
 
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ std::array<int, 4> quad_of(const SeamPixel& pixel) {
 int kinds_in(const std::array<int, 4>& quad) { return static_cast<int>(std::set<int>(quad.begin(), quad.end()).size()); }
 
 /// Where the trick with 2^split cannot bring the lanes of a quad together: fine derivatives, three or more splits; coarse ones,
-/// a split that only the lane has which they do not read. tests/techniques/lauritzen06_trick.cpp finds these over all quads.
+/// a split that only the lane has which they do not read. tests/techniques/psvsm_trick.cpp finds these over all quads.
 bool trick_may_fail(const std::array<int, 4>& quad, const Profile& profile) {
     if (profile.plain_derivative == PlainDerivative::Fine) return kinds_in(quad) >= 3;
     const auto unread = [&]() -> std::size_t {
@@ -99,7 +99,7 @@ Profile profile_of(const Mode& mode) {
 }  // namespace
 
 TEST_CASE("without a cure every quad that straddles two splits takes a wrong level of detail, and says so",
-          "[studies][seam][Lauritzen06]") {
+          "[studies][seam][PSVSM]") {
     std::uint64_t crossings = 0;
     for (int cascades = 2; cascades <= 8; ++cascades) {
         for (const Mode& mode : kModes) {
@@ -137,7 +137,7 @@ TEST_CASE("without a cure every quad that straddles two splits takes a wrong lev
 }
 
 TEST_CASE("with a cure no quad straddles two splits, or its level of detail is that of a quad without a seam",
-          "[studies][seam][Lauritzen06]") {
+          "[studies][seam][PSVSM]") {
     std::uint64_t failures_of_the_trick = 0;
     for (int cascades = 2; cascades <= 8; ++cascades) {
         for (const Mode& mode : kModes) {

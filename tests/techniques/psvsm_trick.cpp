@@ -1,5 +1,5 @@
 // One split per quad from derivatives of 2^split, on the machine: every quad of splits 0 to 7, under every derivative.
-// [Lauritzen06] "Texture coordinate derivatives"
+// [PSVSM] "Texture coordinate derivatives"
 #include "pipeline/program.h"
 #include "techniques/common/full_screen.h"
 #include "techniques/common/seam_cures.h"
@@ -164,7 +164,7 @@ constexpr std::array kCorners{DerivativeCorner::TopLeft, DerivativeCorner::TopRi
 }  // namespace
 
 TEST_CASE("two neighbouring splits: with fine derivatives all lanes of a quad take the smaller, or the larger",
-          "[techniques][Lauritzen06]") {
+          "[techniques][PSVSM]") {
     for (const Arithmetic arithmetic : {Arithmetic::Fp32, Arithmetic::Fp64}) {
         const std::vector<Answer> answers =
             run_trick(profile_with(PlainDerivative::Fine, DerivativeCorner::TopLeft, arithmetic));
@@ -185,7 +185,7 @@ TEST_CASE("two neighbouring splits: with fine derivatives all lanes of a quad ta
 
 TEST_CASE(
     "two splits further apart: the logarithm of 2^a - 2^b rounds to the larger or past the smaller, the same in all lanes",
-    "[techniques][Lauritzen06]") {
+    "[techniques][PSVSM]") {
     const std::vector<Answer> answers = run_trick(profile_with(PlainDerivative::Fine, DerivativeCorner::TopLeft));
     int quads = 0;
     for (int index = 0; index < static_cast<int>(answers.size()); ++index) {
@@ -203,7 +203,7 @@ TEST_CASE(
 }
 
 TEST_CASE("coarse derivatives miss the lane opposite to their corner: there, and only there, a quad of two splits disagrees",
-          "[techniques][Lauritzen06]") {
+          "[techniques][PSVSM]") {
     for (const DerivativeCorner corner : kCorners) {
         const std::vector<Answer> answers = run_trick(profile_with(PlainDerivative::Coarse, corner));
         int missed = 0;
@@ -228,7 +228,7 @@ TEST_CASE("coarse derivatives miss the lane opposite to their corner: there, and
 }
 
 TEST_CASE("every quad: the machine does what whole numbers say, and three splits are too many for fine derivatives",
-          "[techniques][Lauritzen06]") {
+          "[techniques][PSVSM]") {
     // With fine derivatives the largest difference of a lane is that of its own row, its own column, and that of the columns,
     // which is not the same in all lanes once there are three splits. Coarse ones are the same in all lanes.
     struct Expected {
@@ -259,7 +259,7 @@ TEST_CASE("every quad: the machine does what whole numbers say, and three splits
     }
 }
 
-TEST_CASE("a broadcast of the top-left lane's split never fails", "[techniques][Lauritzen06]") {
+TEST_CASE("a broadcast of the top-left lane's split never fails", "[techniques][PSVSM]") {
     const std::vector<Answer> answers = run_trick(Profile{});
     for (int index = 0; index < static_cast<int>(answers.size()); ++index) {
         const int first = quad_of(index)[0];
@@ -268,7 +268,7 @@ TEST_CASE("a broadcast of the top-left lane's split never fails", "[techniques][
 }
 
 TEST_CASE("2^x and its logarithm are exact at whole numbers, and differences of powers keep clear of rounding",
-          "[techniques][Lauritzen06]") {
+          "[techniques][PSVSM]") {
     for (int a = 0; a < kSplits; ++a) {
         const Float power = exp2(Float(static_cast<float>(a)));
         CHECK(lane(power, 0) == static_cast<float>(1 << a));
