@@ -108,15 +108,17 @@ private:
 };
 
 /// Over the maps of a frame, with the filter that mipmaps and anisotropy ask for: of techniques that take no derivatives, what
-/// one that does would have read there.
-SplitProbe make_probe(const techniques::Frame& frame, const techniques::TechniqueSettings& settings) {
-    SplitProbe probe{.cascades = *frame.cascades(),
-                     .sampler = {.min = TexelFilter::Linear,
-                                 .mag = TexelFilter::Linear,
-                                 .mip = MipFilter::Linear,
-                                 .max_anisotropy = settings.anisotropy}};
+/// one that does would have read there. A format that the profile does not filter has levels of detail all the same.
+SplitProbe make_probe(const Device& device, const techniques::Frame& frame, const techniques::TechniqueSettings& settings) {
+    SplitProbe probe{.cascades = *frame.cascades()};
     const std::vector<TextureId> maps = frame.maps();
     GNOMON_CHECK_EQ(maps.size(), static_cast<std::size_t>(probe.cascades.count));
+    const bool filters = filters_format(device.texture(maps.front()).info(), device.profile());
+    const TexelFilter filter = filters ? TexelFilter::Linear : TexelFilter::Nearest;
+    probe.sampler = {.min = filter,
+                     .mag = filter,
+                     .mip = filters ? MipFilter::Linear : MipFilter::Nearest,
+                     .max_anisotropy = filters ? settings.anisotropy : 1};
     for (std::size_t i = 0; i < probe.maps.size(); ++i) probe.maps[i].texture = maps[std::min(i, maps.size() - 1)];
     return probe;
 }
@@ -151,7 +153,7 @@ SeamImage draw_split_seams(const scenes::Scene& scene, const Profile& profile, c
     frame.render(timed);
 
     const ProbeTargets targets(device, request.width, request.height);
-    frame.draw_with(program, constants_of(make_probe(frame, settings)), targets.colors(), targets.derivatives());
+    frame.draw_with(program, constants_of(make_probe(device, frame, settings)), targets.colors(), targets.derivatives());
     SeamImage image = targets.read();
     image.counters = camera_pass(counted).counters;
     image.milliseconds = camera_pass(timed).milliseconds;

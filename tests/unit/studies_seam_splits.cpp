@@ -214,6 +214,14 @@ TEST_CASE("what a cure costs, in instructions", "[studies][seam]") {
     }
 }
 
+TEST_CASE("a profile that does not filter the maps has seams too", "[studies][seam]") {
+    const Subject subject = subject_of({.profile = load_profile("nv40")});
+    const SeamImage image = subject.draw("none");
+    const SeamMeasures seam = measure_seam(image, image, image);
+    CHECK(seam.disagreeing_quads > 20);
+    CHECK(seam.bad_quads > 20);
+}
+
 TEST_CASE("every technique with splits can be looked at, the same for every number of threads", "[studies][seam]") {
     for (const techniques::Technique& technique : techniques::all_techniques()) {
         INFO(technique.name);
