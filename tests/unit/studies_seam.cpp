@@ -81,10 +81,10 @@ TEST_CASE("Measures: a pixel is bad from one step of the level of detail on", "[
     CHECK(measures.exact_lod_error == Approx((2 + 2 + 1.999 / 256.0) / 16));
 }
 
-TEST_CASE("Measures: quads disagree by their flag, pixels are crossed by their own choice", "[seam]") {
+TEST_CASE("Measures: quads disagree by their flag, not by the choices that their pixels call for", "[seam]") {
     SeamImage image = calm();
-    // The first quad's choices differ, but after the cure it is of one mind; of the second only a lane that is not drawn
-    // differs, which the flag knows; the last has a choice of its own and no seam.
+    // The first quad's choices differ, but after the cure it is of one mind; of the second only lanes that are not drawn
+    // differ, which the flag knows; the last has a choice of its own and no seam.
     at(image, 1, 0).own = 3;
     at(image, 2, 0).flags = at(image, 2, 1).flags = SeamPixel::kDisagrees;
     at(image, 3, 0).own = at(image, 3, 1).own = -1;
@@ -130,6 +130,18 @@ TEST_CASE("Measures: values are compared with those of the reference, where it w
     CHECK(measures.changed_pixels == 2);
     CHECK(measure_seam(reference, uncured, reference).worst_value_error == 0);
     CHECK(measure_seam(uncured, uncured, reference).bad_pixels == 2);
+}
+
+TEST_CASE("Measures: pictures of odd sides end in halves of quads", "[seam]") {
+    SeamImage image{.width = 3, .height = 3, .pixels = {}, .derivatives = {}, .counters = {}};
+    image.pixels.assign(9, {.own = 0, .lod = 1, .smooth_lod = 1});
+    at(image, 2, 2).lod = 2;
+    at(image, 2, 0).flags = at(image, 2, 1).flags = SeamPixel::kDisagrees;
+    const SeamMeasures measures = measured(image);
+    CHECK(measures.pixels == 9);
+    CHECK(measures.quads == 4);
+    CHECK(measures.bad_quads == 1);
+    CHECK(measures.disagreeing_quads == 1);
 }
 
 TEST_CASE("Pictures of a seam: every one shows what it is for", "[seam]") {
@@ -182,5 +194,6 @@ TEST_CASE("Probe targets: what is written comes back, field by field", "[seam]")
     CHECK(pixel.probes == 122);
     CHECK(pixel.flags == 123);
     CHECK(pixel.value == 220);
+    CHECK(pixel.quad == 221);
     CHECK(std::ranges::equal(image.derivatives, causes));
 }
