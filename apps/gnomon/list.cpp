@@ -4,7 +4,7 @@
 #include "scenes/procedural.h"
 #include "sim/error.h"
 #include "sim/profile.h"
-#include "studies/seam_cases.h"
+#include "studies/seams/cases.h"
 #include "studies/study.h"
 #include "techniques/technique.h"
 #include "texunit/format.h"

@@ -6,9 +6,9 @@
 #include "sim/profile.h"
 #include "studies/image_io.h"
 #include "studies/output_folder.h"
-#include "studies/seam_cases.h"
-#include "studies/seam_report.h"
-#include "studies/seam_splits.h"
+#include "studies/seams/cases.h"
+#include "studies/seams/report.h"
+#include "studies/seams/splits.h"
 #include "terminal.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // The measures of a picture of seams, on pictures made by hand.
-#include "studies/seam.h"
+#include "studies/seams/seam.h"
 
 #include "pipeline/derivatives.h"
-#include "studies/seam_probe.h"
+#include "studies/seams/probe.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,6 @@
 // The quad that straddles two splits, on scenes: what is wrong without a cure, and what each cure leaves.
 // [PSVSM] "Texture coordinate derivatives"
-#include "studies/seam_splits.h"
+#include "studies/seams/splits.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>

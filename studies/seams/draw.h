@@ -5,7 +5,7 @@
 #include "pipeline/device.h"
 #include "pipeline/fragment.h"
 #include "pipeline/vertex_stage.h"
-#include "studies/seam_probe.h"
+#include "studies/seams/probe.h"
 
 #include <glm/vec3.hpp>
 

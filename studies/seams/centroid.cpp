@@ -1,6 +1,6 @@
 // Seams at the edges of triangles under multisampling: a centroid varying is taken at the centre of covered pixels and at a
 // sample of cut ones, so that neighbours are less or more than a pixel apart. D3D11.3 3.5.5
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 #include "techniques/common/full_screen.h"
 
 namespace gnomon::studies {

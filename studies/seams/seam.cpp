@@ -1,5 +1,5 @@
 // Counting and colouring what the lanes of quads did.
-#include "studies/seam.h"
+#include "studies/seams/seam.h"
 
 #include "sim/error.h"
 #include "studies/false_color.h"

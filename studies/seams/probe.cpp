@@ -1,5 +1,5 @@
 // Probe targets and back.
-#include "studies/seam_probe.h"
+#include "studies/seams/probe.h"
 
 #include <cstring>
 

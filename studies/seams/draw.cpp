@@ -1,5 +1,5 @@
 // Textures of small cases, and their passes.
-#include "studies/seam_draw.h"
+#include "studies/seams/draw.h"
 
 #include "sim/error.h"
 

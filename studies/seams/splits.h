@@ -3,7 +3,7 @@
 
 #include "sim/progress.h"
 #include "studies/experiment.h"
-#include "studies/seam.h"
+#include "studies/seams/seam.h"
 
 #include <functional>
 #include <string_view>

@@ -1,8 +1,8 @@
 // The small cases one by one, with the geometry that their tests count on.
 #pragma once
 
-#include "studies/seam_cases.h"
-#include "studies/seam_draw.h"
+#include "studies/seams/cases.h"
+#include "studies/seams/draw.h"
 
 #include <glm/vec2.hpp>
 

@@ -1,7 +1,7 @@
 // The table of a seam under all its cures, as text and JSON.
 #pragma once
 
-#include "studies/seam_splits.h"
+#include "studies/seams/splits.h"
 
 #include <span>
 #include <string>

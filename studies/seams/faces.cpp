@@ -1,5 +1,5 @@
 // Seams between the faces of a cube that the shader projects onto by itself. D3D11.3 7.18.7 has the faces
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 

@@ -1,5 +1,5 @@
 // Seams as a table.
-#include "studies/seam_report.h"
+#include "studies/seams/report.h"
 
 #include "studies/report.h"
 #include "traces/json_values.h"

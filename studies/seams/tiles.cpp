@@ -1,5 +1,5 @@
 // Seams of repeating coordinates: tiles of an atlas, and a coordinate that wraps around.
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 

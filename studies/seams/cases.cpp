@@ -1,8 +1,8 @@
 // The list of small cases.
-#include "studies/seam_cases.h"
+#include "studies/seams/cases.h"
 
 #include "sim/error.h"
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 

@@ -1,7 +1,7 @@
 // Small named cases of the seam laboratory: one discontinuity each, drawn by the machine, without and with what cures it.
 #pragma once
 
-#include "studies/seam.h"
+#include "studies/seams/seam.h"
 
 #include <span>
 #include <string_view>

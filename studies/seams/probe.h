@@ -3,7 +3,7 @@
 
 #include "pipeline/device.h"
 #include "pipeline/fragment.h"
-#include "studies/seam.h"
+#include "studies/seams/seam.h"
 
 #include <array>
 #include <span>

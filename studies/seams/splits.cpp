@@ -1,9 +1,9 @@
 // The camera pass once more, with a pixel functor that reports what its sample does at the borders of splits.
-#include "studies/seam_splits.h"
+#include "studies/seams/splits.h"
 
 #include "pipeline/program.h"
 #include "sim/error.h"
-#include "studies/seam_probe.h"
+#include "studies/seams/probe.h"
 #include "techniques/common/cascades.h"
 #include "techniques/frame.h"
 

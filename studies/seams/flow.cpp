@@ -1,5 +1,5 @@
 // Seams of flow control: a branch that some lanes of a quad take, and lanes that are discarded.
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 

@@ -1,5 +1,5 @@
 // Seams between the pages of a virtual texture: a quadtree of pages of one size in texels, anywhere in a cache. [Lefohn07]
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 

@@ -1,5 +1,5 @@
 // Seams between the layers of a layered variance shadow map: neighbouring lanes fall into different layers. [Lauritzen08] 4.1.3
-#include "studies/seam_case_list.h"
+#include "studies/seams/case_list.h"
 
 namespace gnomon::studies {
 
