@@ -1,23 +1,10 @@
 // Seams as a table.
 #include "studies/seams/report.h"
 
+#include "studies/configuration.h"
 #include "studies/report.h"
-#include "traces/json_values.h"
 
 namespace gnomon::studies {
-
-namespace {
-
-using traces::Json;
-
-template <HasFields T>
-Json fields_json(const T& values) {
-    Json json;
-    for_each_field(values, [&](std::string_view name, const auto& value) { json[std::string(name)] = value; });
-    return json;
-}
-
-}  // namespace
 
 std::string seam_header() {
     return fmt::format("{:<24} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>9} {:>9} {:>8} {:>11} {:>11} {:>11} {:>8}\n", "cure",
@@ -36,16 +23,16 @@ std::string seam_line(const SeamRun& run) {
 }
 
 std::string seam_json(const SeamConfiguration& configuration, std::span<const SeamRun> runs) {
-    Json json;
+    traces::Json json;
     json["gnomon"] = version();
     for (const auto& [name, value] : configuration) json["configuration"][name] = value;
-    json["cures"] = Json::array();
+    json["cures"] = traces::Json::array();
     for (const SeamRun& run : runs)
         json["cures"].push_back({{"cure", run.cure},
                                  {"seam", fields_json(run.measures)},
                                  {"counters", fields_json(run.image.counters)},
                                  {"milliseconds", run.image.milliseconds}});
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    return file_text(json);
 }
 
 }  // namespace gnomon::studies
