@@ -6,6 +6,7 @@
 #include "sim/profile.h"
 #include "studies/image_io.h"
 #include "studies/output_folder.h"
+#include "studies/result_files.h"
 #include "studies/seams/cases.h"
 #include "studies/seams/report.h"
 #include "studies/seams/splits.h"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 
 namespace gnomon::cli {
@@ -82,13 +82,6 @@ SeamSubject case_subject(const SeamOptions& options) {
             .configuration = {{"case", std::string(seam.name)}, {"profile", profile->name}}};
 }
 
-void write(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream stream(path, std::ios::binary);
-    stream << text;
-    stream.close();
-    if (!stream) fail("{}: cannot be written", path.string());
-}
-
 /// The pictures of one cure, and their names.
 std::vector<std::string> write_pictures(const studies::OutputFolder& folder, const studies::SeamRun& run) {
     std::vector<std::string> names;
@@ -122,8 +115,8 @@ void run(const SeamOptions& options) {
     const auto commit = [&] {
         std::string text = studies::seam_header();
         for (const studies::SeamRun& seam : runs) text += studies::seam_line(seam);
-        write(folder.file("seams.txt"), text);
-        write(folder.file("seams.json"), studies::seam_json(subject.configuration, runs));
+        studies::write_text(folder.file("seams.txt"), text);
+        studies::write_text(folder.file("seams.json"), studies::seam_json(subject.configuration, runs));
         names.insert(names.end(), {"seams.txt", "seams.json"});
         folder.commit(names);
     };

@@ -5,11 +5,11 @@
 #include "sim/error.h"
 #include "sim/parallel.h"
 #include "studies/output_folder.h"
+#include "studies/result_files.h"
 #include "studies/study.h"
 #include "terminal.h"
 
 #include <cstdio>
-#include <fstream>
 
 namespace gnomon::cli {
 
@@ -24,21 +24,14 @@ struct StudyCommand {
     std::string out;
 };
 
-void write(const std::filesystem::path& path, const std::string& text) {
-    std::ofstream stream(path, std::ios::binary);
-    stream << text;
-    stream.close();
-    if (!stream) fail("{}: cannot be written", path.string());
-}
-
 /// Both files of the rows so far.
 void commit(studies::OutputFolder& folder, const studies::Study& study, const studies::StudyOptions& options,
             std::span<const studies::StudyRow> rows) {
     std::string text = studies::study_header();
     for (const studies::StudyRow& row : rows) text += studies::study_line(row);
     const std::string name(study.name);
-    write(folder.file(name + ".txt"), text);
-    write(folder.file(name + ".json"), studies::study_json(study, options, rows));
+    studies::write_text(folder.file(name + ".txt"), text);
+    studies::write_text(folder.file(name + ".json"), studies::study_json(study, options, rows));
     folder.commit({name + ".txt", name + ".json"});
 }
 
