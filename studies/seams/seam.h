@@ -23,7 +23,7 @@ struct SeamPixel {
     float probes = 1.0f;      // of anisotropic filters
     float flags = 0.0f;       // kDisagrees + kOutside
     float value = 0.0f;       // what the sample gave, or the visibility made of it
-    float quad = 0.0f;        // `own` of the four lanes of its quad, helpers too: lane i times 16^i
+    float quad = 0.0f;  // `own` of the four lanes of its quad, helpers too: lane i times 16^i, where choices are less than 16
 
     static constexpr int kDisagrees = 1;  // not all four lanes of its quad, helpers too, took one choice
     static constexpr int kOutside = 2;    // the sample lies outside of the map it read

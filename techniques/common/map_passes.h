@@ -63,7 +63,9 @@ template <class Receiver>
 class OneMapPasses final : public ShadowPasses {
 public:
     OneMapPasses(const ReceiverPrograms& programs, std::unique_ptr<MapPasses<Receiver>> map)
-        : programs_(programs), map_(std::move(map)) {}
+        : programs_(programs), map_(std::move(map)) {
+        shaded_.receiver = map_->receiver();
+    }
 
     void render_maps(const FrameView& frame, PassTimer& timer) override {
         map_->render(frame.scene, {.light = frame.light}, timer);

@@ -179,7 +179,9 @@ TEST_CASE("resolve_settings fills in defaults", "[techniques]") {
         CHECK(settings.anisotropy == technique.default_anisotropy);
         CHECK(settings.depth_bias == technique.default_depth_bias);
         CHECK(settings.slope_bias == technique.default_slope_bias);
-        CHECK(settings.parameters.entries().size() == technique.parameters.size());
+        CHECK(settings.cascades == technique.default_cascades);
+        const std::size_t of_splits = technique.default_cascades > 0 ? cascade_parameters().size() : 0;
+        CHECK(settings.parameters.entries().size() == technique.parameters.size() + of_splits);
     }
     const TechniqueSettings chosen = resolve_settings(find_technique("vsm"), {.map_size = 1,
                                                                               .map_samples = 16,

@@ -133,8 +133,7 @@ TEST_CASE("a slice of the frustum and its bounding rectangle under a sun straigh
     CHECK(bounding_window(frustum_slice(camera, 500, 600), sun).is_whole());
 }
 
-TEST_CASE("every point of a split that the light sees lies in its window, under spots too",
-          "[techniques][splits][PSVSM]") {
+TEST_CASE("every point of a split that the light sees lies in its window, under spots too", "[techniques][splits][PSVSM]") {
     for (const std::string_view name : {"car", "fence", "windmill", "overlap"}) {
         const scenes::Scene& scene = gnomon::testing::scene_of(name);
         const scenes::View camera = scenes::camera_view(scene.camera, 4.0f / 3.0f);

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "sim/profile.h"
-#include "studies/seams/seam.h"
 #include "studies/seams/case_list.h"
+#include "studies/seams/seam.h"
 
 #include <catch2/catch.hpp>
 #include <glm/geometric.hpp>

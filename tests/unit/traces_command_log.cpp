@@ -41,9 +41,9 @@ TEST_CASE("a command log is one JSON object per line with every constant by name
         ++programs[json.at("program")];
         if (json.at("program") == "vsm.receive") {
             const auto& constants = json.at("pixel_constants");
-            CHECK(constants.at("map.texture").at("texture") == 1);
-            CHECK(constants.at("min_variance").get<float>() == 1e-5f);
-            CHECK(constants.at("map.sampler").at("mip") == "linear");
+            CHECK(constants.at("receiver.map.texture").at("texture") == 1);
+            CHECK(constants.at("receiver.min_variance").get<float>() == 1e-5f);
+            CHECK(constants.at("receiver.map.sampler").at("mip") == "linear");
             CHECK(json.at("vertex_constants").at("clip_from_object").size() == 4);
         }
         if (json.at("program") == "gaussian-blur") CHECK(json.at("pixel_constants").at("weights").size() >= 3);
