@@ -160,7 +160,7 @@ public:
             timer.pass("light", [&] { draw_depth_source(scene, view); });
             timer.pass("warp", [&] { warp_layers(encoding); });
         }
-        map_.filter(view.window, timer);
+        map_.filter(view, timer);
     }
 
     [[nodiscard]] const LvsmReceiver& receiver() const override { return receiver_; }

@@ -73,7 +73,7 @@ public:
         static const CasterPrograms casters = make_caster_programs<CentredMoments>("savsm.cast", "savsm.cast-distance");
         receiver_.scale = make_depth_scale(metric_, view.light);
         EncodedLightPass<CentredMoments>{casters, receiver_.scale, receiver_.moments}.render(map_, scene, view, timer);
-        map_.filter(view.window, timer);
+        map_.filter(view, timer);
         timer.pass("table", [&] { table_.build(map_.id()); });
     }
     [[nodiscard]] const SavsmReceiver& receiver() const override { return receiver_; }

@@ -1,6 +1,7 @@
 #include "techniques/technique.h"
 
 #include "sim/warn.h"
+#include "techniques/common/cascade_setup.h"
 #include "techniques/csm.h"
 #include "techniques/esm.h"
 #include "techniques/evsm.h"
@@ -116,6 +117,7 @@ TechniqueSettings resolve_settings(const Technique& technique, const TechniqueRe
                                .slope_bias = request.slope_bias.value_or(technique.default_slope_bias),
                                .parameters = parameter_values(technique, cascades, request.set)};
     if (technique.settle != nullptr) technique.settle(settings);
+    check_cascades(settings);
     return settings;
 }
 

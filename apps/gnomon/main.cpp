@@ -8,6 +8,7 @@
 #include "terminal.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <new>
 
@@ -69,6 +70,7 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error of writing, after which files are still put in order
     try {
         return run(argc, argv);
     } catch (const gnomon::Stopped&) {

@@ -4,6 +4,7 @@
 #include "request_options.h"
 #include "sim/error.h"
 #include "sim/profile.h"
+#include "studies/configuration.h"
 #include "studies/image_io.h"
 #include "studies/output_folder.h"
 #include "studies/result_files.h"
@@ -32,7 +33,7 @@ struct SeamSubject {
     std::vector<std::string_view> cures;  // "none" first
     std::string_view reference;
     std::function<studies::SeamImage(std::string_view cure, const Progress&)> draw;
-    studies::SeamConfiguration configuration;
+    traces::Json configuration;
 };
 
 /// Splits are what a technique without them is given.
@@ -58,12 +59,7 @@ SeamSubject split_subject(const SeamOptions& options) {
                 [=](std::string_view cure, const Progress& progress) {
                     return studies::draw_split_seams(*scene, *profile, *request, *plan, cure, progress);
                 },
-            .configuration = {{"scene", request->scene},
-                              {"technique", request->technique},
-                              {"cascades", std::to_string(cascades)},
-                              {"map", std::to_string(plan->settings.map_size)},
-                              {"size", fmt::format("{}x{}", request->width, request->height)},
-                              {"profile", profile->name}}};
+            .configuration = studies::configuration_json(*request, plan->settings, *profile)};
 }
 
 SeamSubject case_subject(const SeamOptions& options) {
@@ -79,27 +75,45 @@ SeamSubject case_subject(const SeamOptions& options) {
                     device.set_observer([&](const Command&) { progress.step(cure, 0, 0); });
                     return seam.draw(device, cure);
                 },
-            .configuration = {{"case", std::string(seam.name)}, {"profile", profile->name}}};
+            .configuration = {{"case", seam.name}, {"profile", traces::Json::parse(profile_to_json(*profile))}}};
 }
 
-/// The pictures of one cure, and their names.
-std::vector<std::string> write_pictures(const studies::OutputFolder& folder, const studies::SeamRun& run) {
+constexpr std::string_view kValue = "value";
+
+std::string picture_name(std::string_view cure, std::string_view picture) { return fmt::format("{}-{}.png", cure, picture); }
+
+/// Every file that a seam with these cures may write, the table last.
+std::vector<std::string> file_names(const std::vector<std::string_view>& cures) {
     std::vector<std::string> names;
-    const auto add = [&](std::string_view picture, const studies::ByteImage& image) {
-        names.push_back(fmt::format("{}-{}.png", run.cure, picture));
-        studies::write_png(folder.file(names.back()), image);
-    };
-    for (const studies::SeamPicture& picture : studies::seam_pictures(run.image)) add(picture.name, picture.image);
-    studies::FloatImage values{run.image.width, run.image.height, {}};
-    for (const studies::SeamPixel& pixel : run.image.pixels) values.values.push_back(pixel.drawn() ? pixel.value : 1.0f);
-    add("value", studies::grey_image(values));
+    for (const std::string_view cure : cures) {
+        for (const std::string_view picture : studies::seam_picture_names()) names.push_back(picture_name(cure, picture));
+        names.push_back(picture_name(cure, kValue));
+    }
+    names.insert(names.end(), {"seams.txt", "seams.json"});
     return names;
 }
 
-void run(const SeamOptions& options) {
+void write_pictures(const studies::OutputFolder& folder, const studies::SeamRun& run) {
+    for (const studies::SeamPicture& picture : studies::seam_pictures(run.image))
+        studies::write_png(folder.file(picture_name(run.cure, picture.name)), picture.image);
+    studies::FloatImage values{run.image.width, run.image.height, {}};
+    for (const studies::SeamPixel& pixel : run.image.pixels) values.values.push_back(pixel.drawn() ? pixel.value : 1.0f);
+    studies::write_png(folder.file(picture_name(run.cure, kValue)), studies::grey_image(values));
+}
+
+/// Throws Error for options that a small case has no use for.
+void check_case_options(const CLI::App& command) {
+    for (const char* name :
+         {"--scene", "--ground", "--auto-view", "--size", "--technique", "--map", "--format", "--filter", "--aniso",
+          "--cascades", "--map-samples", "--set", "--taps", "--blur", "--min-variance", "--depth-bias", "--slope-bias"})
+        if (command.get_option(name)->count() > 0) fail("{}: says how a scene is drawn; --case draws none", name);
+}
+
+void run(const SeamOptions& options, const CLI::App& command) {
     const bool is_case = !options.case_name.empty();
-    if (is_case == !options.asked.request.scene.empty())
-        fail("seam: expected either --scene and --technique, or --case (gnomon list seams)");
+    if (is_case) check_case_options(command);
+    if (!is_case && options.asked.request.scene.empty())
+        fail("seam: expected --scene, or --case (gnomon list seams names the cases)");
     const SeamSubject subject = is_case ? case_subject(options) : split_subject(options);
     std::vector<std::string_view> cures = subject.cures;
     if (options.cure != "all") {
@@ -109,16 +123,15 @@ void run(const SeamOptions& options) {
     }
     catch_stop_signals();
     studies::OutputFolder folder(options.out);
+    folder.check_replaceable(file_names(subject.cures));
 
     std::vector<studies::SeamRun> runs;
-    std::vector<std::string> names;
     const auto commit = [&] {
         std::string text = studies::seam_header();
         for (const studies::SeamRun& seam : runs) text += studies::seam_line(seam);
         studies::write_text(folder.file("seams.txt"), text);
         studies::write_text(folder.file("seams.json"), studies::seam_json(subject.configuration, runs));
-        names.insert(names.end(), {"seams.txt", "seams.json"});
-        folder.commit(names);
+        folder.commit(file_names(subject.cures));
     };
     fmt::print("{}", studies::seam_header());
     std::fflush(stdout);
@@ -128,10 +141,10 @@ void run(const SeamOptions& options) {
         const studies::SeamImage uncured = subject.draw("none", progress);
         const studies::SeamImage reference = subject.draw(subject.reference, progress);
         for (const std::string_view cure : cures) {
-            studies::SeamRun seam{.cure = std::string(cure), .image = subject.draw(cure, progress), .measures = {}};
+            studies::SeamRun seam{.cure = std::string(cure), .image = {}, .measures = {}};
+            seam.image = cure == "none" ? uncured : cure == subject.reference ? reference : subject.draw(cure, progress);
             seam.measures = studies::measure_seam(seam.image, uncured, reference);
-            const std::vector<std::string> written = write_pictures(folder, seam);
-            names.insert(names.end(), written.begin(), written.end());
+            write_pictures(folder, seam);
             seam.image.pixels.clear();
             runs.push_back(std::move(seam));
             line.print(studies::seam_line(runs.back()));
@@ -166,7 +179,7 @@ void add_seam(CLI::App& app) {
         "  gnomon seam --scene city --technique psvsm --out out/seam\n"
         "  gnomon seam --scene fence --technique lvsm --cascades 8 --cure quad-min --out out/seam\n"
         "  gnomon seam --case atlas --out out/atlas");
-    command->callback([options] { run(*options); });
+    command->callback([options, command] { run(*options, *command); });
 }
 
 }  // namespace gnomon::cli

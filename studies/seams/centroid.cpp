@@ -36,6 +36,8 @@ struct CentroidVertex {
 /// Samples at the centroid, so that it never reads outside of what the triangle covers.
 template <bool kProbes>
 struct CentroidPixel {
+    enum Cure : int { kNone, kExplicitGradients };  // in the order of kCentroidCures
+
     TextureId texture = TextureId::None;
     Sampler sampler;
     int cure = 0;  // of kCentroidCures
@@ -50,16 +52,16 @@ struct CentroidPixel {
         using Real = typename F::Real;
         const Vec2<Real>& centroid = f.in.centroid;
         const Vec2<Real>& centre = f.in.centre;
-        SeamLookup<Real> lookup{flat_coordinate(centroid.x, centroid.y), cure == 1};
-        if (cure == 1) lookup.gradients = shader_gradients(f, centre.x, centre.y);
+        SeamLookup<Real> lookup{flat_coordinate(centroid.x, centroid.y), cure == kExplicitGradients};
+        if (cure == kExplicitGradients) lookup.gradients = shader_gradients(f, centre.x, centre.y);
         const Real value = look_up(f, texture, sampler, lookup);
         return seam_colors<kProbes>(f, value, [&] {
             // Samples are an eighth of a pixel from the centre at least.
             const Real least(kCentroidPlane.dx.x * 0.0625f);
             const Mask moved = max(abs(centroid.x - centre.x), abs(centroid.y - centre.y)) > least;
             const Real own = gnomon::select(moved, Real(1.0f), Real(0.0f));
-            SeamLookup<Real> smooth{flat_coordinate(centre.x, centre.y), cure == 1};
-            if (cure == 1) smooth.gradients = lookup.gradients;
+            SeamLookup<Real> smooth{flat_coordinate(centre.x, centre.y), cure == kExplicitGradients};
+            if (cure == kExplicitGradients) smooth.gradients = lookup.gradients;
             return SeamLanes<Real>{.own = own,
                                    .used = own,
                                    .sampled = level_of(f, texture, sampler, lookup),

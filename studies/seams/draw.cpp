@@ -83,14 +83,16 @@ int seam_cure(std::string_view seam, std::span<const std::string_view> cures, st
 }
 
 void measure_draw(Device& device, const Draw& draw, SeamImage& image) {
+    // Counting costs time, and warms the caches.
     device.take_tally();
     device.enable_counters(true);
+    device.execute(draw);
+    device.enable_counters(false);
+    image.counters = device.take_counters();
     const auto begin = std::chrono::steady_clock::now();
     device.execute(draw);
     const std::chrono::duration<double, std::milli> elapsed = std::chrono::steady_clock::now() - begin;
-    device.enable_counters(false);
     image.milliseconds = elapsed.count();
-    image.counters = device.take_counters();
 }
 
 SeamImage draw_seam_passes(Device& device, const SeamPlane& plane, const SeamPass& probed, const SeamPass& plain) {

@@ -112,15 +112,6 @@ Gradients<Real> plane_gradients(const SeamPlane& plane) {
     return {{Real(plane.dx.x), Real(plane.dx.y)}, {Real(plane.dy.x), Real(plane.dy.y)}};
 }
 
-/// Derivative instructions of the shader.
-template <class F, class Real = typename F::Real>
-Gradients<Real> shader_gradients(const F& f, const Real& u, const Real& v) {
-    return {{f.ddx(u), f.ddx(v)}, {f.ddy(u), f.ddy(v)}};
-}
-template <class Real>
-Gradients<Real> scaled(const Gradients<Real>& gradients, const Real& by) {
-    return {{gradients.dx.x * by, gradients.dx.y * by}, {gradients.dy.x * by, gradients.dy.y * by}};
-}
 template <class Real>
 Gradients<Real> select(Mask mask, const Gradients<Real>& yes, const Gradients<Real>& no) {
     const auto pick = [&](const Real& a, const Real& b) { return gnomon::select(mask, a, b); };

@@ -10,6 +10,8 @@ constexpr std::array<std::string_view, 3> kFaceCures{"none", "explicit-gradients
 /// Six slices of an array as a cube: an omnidirectional shadow map where there are no comparison cubes.
 template <bool kProbes>
 struct FacePixel {
+    enum Cure : int { kNone, kExplicitGradients, kQuadBroadcast };  // in the order of kFaceCures
+
     TextureId faces = TextureId::None;
     Sampler sampler;
     int cure = 0;  // of kFaceCures
@@ -76,13 +78,13 @@ struct FacePixel {
         using Real = typename F::Real;
         const Vec3<Real> d = direction(f.in.at);
         const Real own = face_of(d);
-        const Real used = cure == 2 ? f.template quad_read<0>(own) : own;
-        SeamLookup<Real> lookup{coordinate_in(used, d), cure == 1};
+        const Real used = cure == kQuadBroadcast ? f.template quad_read<0>(own) : own;
+        SeamLookup<Real> lookup{coordinate_in(used, d), cure == kExplicitGradients};
         const auto gradients_in = [&](const Real& face) {
             const Vec3<Real> at = coordinate_in(face, d);
             return shader_gradients(f, at.x, at.y);
         };
-        if (cure == 1)
+        if (cure == kExplicitGradients)
             for (int i = 0; i < kCubeFaces; ++i) {
                 const Real face(static_cast<float>(i));
                 lookup.gradients = select(used == face, gradients_in(face), lookup.gradients);
@@ -90,8 +92,8 @@ struct FacePixel {
         const Real value = look_up(f, faces, sampler, lookup);
         return seam_colors<kProbes>(f, value, [&] {
             const auto smooth = [&](const auto& of_lane) {
-                SeamLookup<Real> on_face{coordinate_in(of_lane(used), d), cure == 1};
-                if (cure == 1) on_face.gradients = gradients_in(of_lane(used));
+                SeamLookup<Real> on_face{coordinate_in(of_lane(used), d), cure == kExplicitGradients};
+                if (cure == kExplicitGradients) on_face.gradients = gradients_in(of_lane(used));
                 return on_face;
             };
             const Gradients<Real> exact{derivative_in(used, d, direction_change(f.in.at, kFacesPlane.dx)),

@@ -45,6 +45,8 @@ constexpr std::array<std::string_view, 3> kBranchCures{"none", "coordinates-befo
 /// Samples inside discs only, at coordinates that are computed there.
 template <bool kProbes>
 struct BranchPixel {
+    enum Cure : int { kNone, kCoordinatesBefore, kExplicitGradients };  // in the order of kBranchCures
+
     TextureId texture = TextureId::None;
     Sampler sampler;
     int cure = 0;  // of kBranchCures
@@ -59,9 +61,9 @@ struct BranchPixel {
         using Real = typename F::Real;
         const Mask inside = in_disc(f.position);
         // Until it is computed, the register of the coordinate holds an old value.
-        SeamLookup<Real> lookup{flat_coordinate(Real(0.0f), Real(0.0f)), cure == 2};
+        SeamLookup<Real> lookup{flat_coordinate(Real(0.0f), Real(0.0f)), cure == kExplicitGradients};
         if (cure != 0) lookup.coordinate = f.in.at;
-        if (cure == 2) lookup.gradients = shader_gradients(f, lookup.coordinate.x, lookup.coordinate.y);
+        if (cure == kExplicitGradients) lookup.gradients = shader_gradients(f, lookup.coordinate.x, lookup.coordinate.y);
         Real value(0.5f);
         f.branch(inside, [&] {
             lookup.coordinate.x = gnomon::select(inside, f.in.at.x, lookup.coordinate.x);
@@ -89,6 +91,8 @@ constexpr std::array<std::string_view, 3> kDiscardCures{"none", "demote", "expli
 /// they compute no coordinates and hold old values.
 template <bool kProbes>
 struct DiscardPixel {
+    enum Cure : int { kNone, kDemote, kExplicitGradients };  // in the order of kDiscardCures
+
     static constexpr bool discards = true;
 
     TextureId texture = TextureId::None;
@@ -104,10 +108,10 @@ struct DiscardPixel {
     auto operator()(const F& f) const {
         using Real = typename F::Real;
         const Mask hole = in_disc(f.position);
-        SeamLookup<Real> lookup{f.in.at, cure == 2};
-        if (cure == 2) lookup.gradients = shader_gradients(f, lookup.coordinate.x, lookup.coordinate.y);
+        SeamLookup<Real> lookup{f.in.at, cure == kExplicitGradients};
+        if (cure == kExplicitGradients) lookup.gradients = shader_gradients(f, lookup.coordinate.x, lookup.coordinate.y);
         f.discard(hole);
-        if (cure == 0) {
+        if (cure == kNone) {
             lookup.coordinate.x = gnomon::select(hole, Real(0.0f), lookup.coordinate.x);
             lookup.coordinate.y = gnomon::select(hole, Real(0.0f), lookup.coordinate.y);
         }

@@ -10,6 +10,8 @@ constexpr std::array<std::string_view, 4> kLayerCures{"none", "branches", "array
 /// One sample of the layer that holds a depth. Layers lie 2x2 in one texture, or are slices of an array.
 template <bool kProbes>
 struct LayerPixel {
+    enum Cure : int { kNone, kBranches, kArraySlice, kExplicitGradients };  // in the order of kLayerCures
+
     TextureId packed = TextureId::None;
     TextureId slices = TextureId::None;
     Sampler sampler;
@@ -35,13 +37,14 @@ struct LayerPixel {
         const Real u = f.in.at.x;
         const Real v = f.in.at.y;
         const Real layer = floor(frac(f.in.at.z) * Real(static_cast<float>(kLayers)));
-        const bool is_packed = cure == 0 || cure == 3;
+        const bool is_packed = cure == kNone || cure == kExplicitGradients;
         const TextureId texture = is_packed ? packed : slices;
-        SeamLookup<Real> lookup{is_packed ? packed_coordinate(layer, u, v) : Vec3<Real>{u, v, layer}, cure == 3};
-        if (cure == 3) lookup.gradients = scaled(shader_gradients(f, u, v), Real(0.5f));
+        SeamLookup<Real> lookup{is_packed ? packed_coordinate(layer, u, v) : Vec3<Real>{u, v, layer},
+                                cure == kExplicitGradients};
+        if (cure == kExplicitGradients) lookup.gradients = scaled(shader_gradients(f, u, v), Real(0.5f));
 
         Real value(0.0f);
-        if (cure == 1) {
+        if (cure == kBranches) {
             // A texture for each layer, which hardware without arrays chooses by branches; here they are slices.
             for (int i = 0; i < kLayers; ++i) {
                 const Real slice(static_cast<float>(i));
@@ -54,8 +57,10 @@ struct LayerPixel {
         }
         return seam_colors<kProbes>(f, value, [&] {
             const auto smooth = [&](const auto& of_lane) {
-                SeamLookup<Real> in_layer{is_packed ? packed_coordinate(of_lane(layer), u, v) : lookup.coordinate, cure == 3};
-                if (cure == 3) in_layer.gradients = shader_gradients(f, in_layer.coordinate.x, in_layer.coordinate.y);
+                SeamLookup<Real> in_layer{is_packed ? packed_coordinate(of_lane(layer), u, v) : lookup.coordinate,
+                                          cure == kExplicitGradients};
+                if (cure == kExplicitGradients)
+                    in_layer.gradients = shader_gradients(f, in_layer.coordinate.x, in_layer.coordinate.y);
                 return in_layer;
             };
             const Gradients<Real> exact = scaled(plane_gradients<Real>(kLayerPlane), Real(is_packed ? 0.5f : 1.0f));

@@ -10,6 +10,8 @@ constexpr std::array<std::string_view, 4> kPagesCures{"none", "explicit-gradient
 /// Looks up the page of a virtual coordinate in the page table, then samples the cache.
 template <bool kProbes>
 struct PagesPixel {
+    enum Cure : int { kNone, kExplicitGradients, kDerivativeOfPosition, kQuadBroadcast };  // in the order of kPagesCures
+
     TextureId table = TextureId::None;  // a texel for each fine page: scale, offset of u, offset of v, page
     TextureId cache = TextureId::None;
     Sampler sampler;
@@ -37,17 +39,17 @@ struct PagesPixel {
         };
         const Vec4<Real> own = f.load(table, truncate_to_int(u), truncate_to_int(v));
         Vec4<Real> used = own;
-        if (cure == 3) used = entry_of_lane(own, [&](const Real& x) { return f.template quad_read<0>(x); });
+        if (cure == kQuadBroadcast) used = entry_of_lane(own, [&](const Real& x) { return f.template quad_read<0>(x); });
 
-        SeamLookup<Real> lookup{coordinate_in(used, u, v), cure == 1 || cure == 2};
+        SeamLookup<Real> lookup{coordinate_in(used, u, v), cure == kExplicitGradients || cure == kDerivativeOfPosition};
         const auto gradients_in = [&](const Vec4<Real>& entry) {
             const Vec3<Real> at = coordinate_in(entry, u, v);
             return shader_gradients(f, at.x, at.y);
         };
-        if (cure == 1)
+        if (cure == kExplicitGradients)
             lookup.gradients = gradients_before_choice(
                 f, used.w, [&](const auto& of_lane) { return gradients_in(entry_of_lane(used, of_lane)); });
-        if (cure == 2) lookup.gradients = scaled(shader_gradients(f, u, v), used.x);
+        if (cure == kDerivativeOfPosition) lookup.gradients = scaled(shader_gradients(f, u, v), used.x);
         const Real value = look_up(f, cache, sampler, lookup);
 
         return seam_colors<kProbes>(f, value, [&] {

@@ -37,6 +37,21 @@ std::array<Vec4<Real>, kProbeTargets> probe_colors(const F& f, const SeamLanes<R
             Vec4<Real>{lanes.value, quad, zero, zero}};
 }
 
+/// Derivative instructions of the shader.
+template <class F, class Real = typename F::Real>
+Gradients<Real> shader_gradients(const F& f, const Real& u, const Real& v) {
+    return {{f.ddx(u), f.ddx(v)}, {f.ddy(u), f.ddy(v)}};
+}
+/// Of coordinates scaled by so much along u and v, or along both.
+template <class Real>
+Gradients<Real> scaled(const Gradients<Real>& gradients, const Vec2<Real>& by) {
+    return {{gradients.dx.x * by.x, gradients.dx.y * by.y}, {gradients.dy.x * by.x, gradients.dy.y * by.y}};
+}
+template <class Real>
+Gradients<Real> scaled(const Gradients<Real>& gradients, const Real& by) {
+    return scaled(gradients, Vec2<Real>{by, by});
+}
+
 /// Targets for probe_colors and for a derivative report.
 class ProbeTargets {
 public:

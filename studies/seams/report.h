@@ -2,21 +2,17 @@
 #pragma once
 
 #include "studies/seams/splits.h"
+#include "traces/json_values.h"
 
 #include <span>
 #include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace gnomon::studies {
-
-/// What was looked at, in words: "scene" "city", "technique" "psvsm", ...
-using SeamConfiguration = std::vector<std::pair<std::string, std::string>>;
 
 /// A column per number, a row per cure. Differences of values are against `reference`.
 std::string seam_header();
 std::string seam_line(const SeamRun& run);
-std::string seam_json(const SeamConfiguration& configuration, std::span<const SeamRun> runs);
+/// `configuration`: what it takes to draw it again.
+std::string seam_json(const traces::Json& configuration, std::span<const SeamRun> runs);
 
 }  // namespace gnomon::studies

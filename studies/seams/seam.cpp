@@ -6,6 +6,7 @@
 #include "studies/filter_charts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gnomon::studies {
@@ -56,7 +57,9 @@ SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, cons
     SeamMeasures measures;
     double lod_errors = 0;
     double exact_errors = 0;
+    double crossing_errors = 0;
     double value_errors = 0;
+    std::uint64_t crossing = 0;
     std::uint64_t once_bad = 0;
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
         const SeamPixel& pixel = image.pixels[i];
@@ -72,6 +75,10 @@ SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, cons
         SeamPixel exact = pixel;
         exact.smooth_lod = pixel.exact_lod;
         exact_errors += lod_error(exact);
+        if (uncured.pixels[i].is(SeamPixel::kDisagrees)) {
+            ++crossing;
+            crossing_errors += lod_error(exact);
+        }
         const double change = std::fabs(static_cast<double>(pixel.value) - static_cast<double>(reference.pixels[i].value));
         measures.worst_value_error = std::max(measures.worst_value_error, change);
         measures.changed_pixels += change >= 1.0 / 255;
@@ -89,8 +96,15 @@ SeamMeasures measure_seam(const SeamImage& image, const SeamImage& uncured, cons
     const auto mean = [](double sum, std::uint64_t count) { return count > 0 ? sum / static_cast<double>(count) : 0.0; };
     measures.mean_lod_error = mean(lod_errors, measures.bad_pixels);
     measures.exact_lod_error = mean(exact_errors, measures.pixels);
+    measures.crossing_lod_error = mean(crossing_errors, crossing);
     measures.mean_value_error = mean(value_errors, once_bad);
     return measures;
+}
+
+std::span<const std::string_view> seam_picture_names() {
+    static constexpr std::array<std::string_view, 6> kNames{"choice", "disagreeing", "lod-error",
+                                                            "lod",    "probes",      "derivatives"};
+    return kNames;
 }
 
 std::vector<SeamPicture> seam_pictures(const SeamImage& image) {

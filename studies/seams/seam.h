@@ -7,7 +7,8 @@
 #include "studies/images.h"
 
 #include <cstdint>
-#include <string>
+#include <span>
+#include <string_view>
 #include <vector>
 
 namespace gnomon::studies {
@@ -56,6 +57,7 @@ struct SeamMeasures {
     double worst_lod_error = 0;           // |lod - smooth_lod|, levels; up to kWorstLod
     double mean_lod_error = 0;            // over the bad pixels
     double exact_lod_error = 0;           // mean of |lod - exact_lod| over all pixels: what finite differences cost everywhere
+    double crossing_lod_error = 0;        // the same over pixels of quads that disagree without a cure
     double worst_value_error = 0;         // |value - that of explicit gradients|
     double mean_value_error = 0;          // over pixels that were bad without a cure
     std::uint64_t changed_pixels = 0;     // values that differ from those of explicit gradients by 1/255 or more
@@ -71,6 +73,7 @@ struct SeamMeasures {
                           Field{"worst_lod_error", &S::worst_lod_error},
                           Field{"mean_lod_error", &S::mean_lod_error},
                           Field{"exact_lod_error", &S::exact_lod_error},
+                          Field{"crossing_lod_error", &S::crossing_lod_error},
                           Field{"worst_value_error", &S::worst_value_error},
                           Field{"mean_value_error", &S::mean_value_error},
                           Field{"changed_pixels", &S::changed_pixels}};
@@ -93,5 +96,7 @@ struct SeamPicture {
     ByteImage image;
 };
 std::vector<SeamPicture> seam_pictures(const SeamImage& image);
+/// Their names.
+std::span<const std::string_view> seam_picture_names();
 
 }  // namespace gnomon::studies

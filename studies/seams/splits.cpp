@@ -39,11 +39,6 @@ Gradients<Real> exact_gradients(const F& f) {
             {(f.ddy_fine(s) - u * qy) * inv_q, (f.ddy_fine(t) - v * qy) * inv_q}};
 }
 
-template <class Real>
-Gradients<Real> scaled(const Gradients<Real>& g, float u, float v) {
-    return {{g.dx.x * Real(u), g.dx.y * Real(v)}, {g.dy.x * Real(u), g.dy.y * Real(v)}};
-}
-
 /// Takes the split, the position and the level of detail that a receiver takes, by the same functions, and those that it would
 /// have taken without a seam.
 struct SplitProbe {
@@ -71,8 +66,10 @@ struct SplitProbe {
             const Vec2<Real> uv = cascades.coordinates_in(at.uv, i);
             const TextureId map = maps[split].texture;
             const SampledLevel<Real> smooth =
-                in_map.has_gradients ? f.lod(map, sampler, plain_gradients(f, uv)) : f.lod(map, sampler, uv);
-            const Real exactly = f.lod(map, sampler, scaled(exact, cascades.scale_u[split], cascades.scale_v[split])).unclamped;
+                in_map.has_gradients ? f.lod(map, sampler, shader_gradients(f, uv.x, uv.y)) : f.lod(map, sampler, uv);
+            const Real exactly =
+                f.lod(map, sampler, scaled(exact, Vec2<Real>{Real(cascades.scale_u[split]), Real(cascades.scale_v[split])}))
+                    .unclamped;
             lanes.smooth_lod = select(here, smooth.unclamped, lanes.smooth_lod);
             lanes.exact_lod = select(here, exactly, lanes.exact_lod);
             if (cascades.is(SeamCure::SampleAll)) {
@@ -94,10 +91,6 @@ private:
         const Real one(1.0f);
         const Mask in_map = (at.uv.x >= zero) & (at.uv.x <= one) & (at.uv.y >= zero) & (at.uv.y <= one);
         return at.inside & !in_map;
-    }
-    template <class F, class Real = typename F::Real>
-    static Gradients<Real> plain_gradients(const F& f, const Vec2<Real>& uv) {
-        return {{f.ddx(uv.x), f.ddx(uv.y)}, {f.ddy(uv.x), f.ddy(uv.y)}};
     }
     template <class Real>
     static void take(Mask here, const SampledLevel<Real>& from, SampledLevel<Real>& to) {

@@ -5,7 +5,6 @@
 #include "studies/experiment.h"
 #include "studies/seams/seam.h"
 
-#include <functional>
 #include <string_view>
 #include <vector>
 

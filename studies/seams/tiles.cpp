@@ -10,6 +10,8 @@ constexpr std::array<std::string_view, 3> kAtlasCures{"none", "explicit-gradient
 /// A grid of cells, each with a tile of an atlas.
 template <bool kProbes>
 struct AtlasPixel {
+    enum Cure : int { kNone, kExplicitGradients, kSampleLevel };  // in the order of kAtlasCures
+
     TextureId atlas = TextureId::None;
     Sampler sampler;
     int cure = 0;  // of kAtlasCures
@@ -40,13 +42,13 @@ struct AtlasPixel {
         const Real& v = f.in.at.y;
         const Real size(1.0f / kAtlasTiles);
         const Vec2<Real> cell{floor(u), floor(v)};
-        SeamLookup<Real> lookup{coordinate_in(cell, u, v), cure == 1};
-        if (cure == 1) lookup.gradients = scaled(shader_gradients(f, u, v), size);
+        SeamLookup<Real> lookup{coordinate_in(cell, u, v), cure == kExplicitGradients};
+        if (cure == kExplicitGradients) lookup.gradients = scaled(shader_gradients(f, u, v), size);
 
         const Vec2<Real> unwrapped{u * size, v * size};
         SampledLevel<Real> level;
         Real value;
-        if (cure == 2) {
+        if (cure == kSampleLevel) {
             level = f.lod(atlas, sampler, unwrapped);
             value = f.sample_level(atlas, sampler, lookup.coordinate, level.unclamped).x;
         } else {
@@ -55,14 +57,16 @@ struct AtlasPixel {
         return seam_colors<kProbes>(f, value, [&] {
             const Real own = cell.y * Real(16.0f) + cell.x;
             const auto smooth = [&](const auto& of_lane) {
-                SeamLookup<Real> in_tile{coordinate_in(Vec2<Real>{of_lane(cell.x), of_lane(cell.y)}, u, v), cure == 1};
-                if (cure == 1) in_tile.gradients = shader_gradients(f, in_tile.coordinate.x, in_tile.coordinate.y);
+                SeamLookup<Real> in_tile{coordinate_in(Vec2<Real>{of_lane(cell.x), of_lane(cell.y)}, u, v),
+                                         cure == kExplicitGradients};
+                if (cure == kExplicitGradients)
+                    in_tile.gradients = shader_gradients(f, in_tile.coordinate.x, in_tile.coordinate.y);
                 return in_tile;
             };
             const Gradients<Real> exact = scaled(plane_gradients<Real>(kAtlasPlane), size);
             return SeamLanes<Real>{.own = own,
                                    .used = own,
-                                   .sampled = cure == 2 ? level : level_of(f, atlas, sampler, lookup),
+                                   .sampled = cure == kSampleLevel ? level : level_of(f, atlas, sampler, lookup),
                                    .smooth_lod = smooth_lod_of(f, atlas, sampler, own, smooth),
                                    .exact_lod = f.lod(atlas, sampler, exact).unclamped,
                                    .outside = Mask(false),
@@ -84,6 +88,8 @@ constexpr std::array<std::string_view, 3> kWrapCures{"none", "explicit-gradients
 /// A texture around something round.
 template <bool kProbes>
 struct WrapPixel {
+    enum Cure : int { kNone, kExplicitGradients, kTwoCoordinates };  // in the order of kWrapCures
+
     TextureId texture = TextureId::None;
     Sampler sampler;
     int cure = 0;  // of kWrapCures
@@ -105,8 +111,8 @@ struct WrapPixel {
         const Real v = f.in.at.y;
         const Real u = frac(turns);
         SeamLookup<Real> lookup{flat_coordinate(u, v), cure != 0};
-        if (cure == 1) lookup.gradients = shader_gradients(f, turns, v);
-        if (cure == 2) {
+        if (cure == kExplicitGradients) lookup.gradients = shader_gradients(f, turns, v);
+        if (cure == kTwoCoordinates) {
             // Two coordinates of the same slope that jump in different places: the smaller derivative is the one that did not.
             const Real half_way = frac(u + Real(0.5f)) - Real(0.5f);
             const Gradients<Real> at_one = shader_gradients(f, u, v);

@@ -18,9 +18,14 @@ namespace {
 /// What may be nearer or farther than the centre of any pixel shows, as a share of the distance.
 constexpr double kDistanceSlack = 1.0 / 256;
 
-/// Texels around a window that filters may reach into beside the blur's: a bilinear neighbour and anisotropy's probes at a
-/// pixel's size, which is about a texel where a split is chosen well.
+/// Of a depth between 1/2 and 1 in d32f: its half step 2^-25, and those of the transform before it.
+constexpr double kDepthError = 0x1p-22;
+
+/// Texels around a window that every filter may reach into: a neighbour, and a pixel of a quad that is in another split.
 constexpr double kFilterMargin = 2.0;
+
+/// What margins leave of a map along an axis, and at least half of it.
+double margin_share(double texels, int map_size) { return std::max(0.5, 1.0 - 2.0 * texels / map_size); }
 
 bool is_directional(const scenes::View& light) { return light.clip_from_view[2][3] == 0.0f; }
 
@@ -37,6 +42,16 @@ const std::vector<Parameter>& cascade_parameters() {
         number("fade", 0, 0, 0.5, "share of each split over which it fades into the next"),
         number("size-ratio", 1, 0.25, 4, "texels per side of the map of a split over those of the split before it")};
     return parameters;
+}
+
+void check_cascades(const TechniqueSettings& settings) {
+    if (settings.cascades == 0) return;
+    const ParameterValues& chosen = settings.parameters;
+    if (chosen.word<Switch>("snap") == Switch::On && chosen.word<SplitPlacement>("splits") != SplitPlacement::Practical)
+        fail(
+            "--set snap=on: with splits={} the ends of splits move with every frame, and windows change their size; expected "
+            "splits=practical",
+            name_of(chosen.word<SplitPlacement>("splits")));
 }
 
 std::vector<int> map_sizes(const TechniqueSettings& settings) {
@@ -80,23 +95,18 @@ MapWindow bounding_window(const scenes::Hexahedron& slice, const scenes::View& l
 }
 
 MapWindow with_margin(const MapWindow& window, double texels, int map_size) {
-    // The window takes what the margins leave of the map, and at least half of it.
-    const double share = std::max(0.5, 1.0 - 2.0 * texels / map_size);
     const glm::dvec2 middle = 0.5 * (window.low + window.high);
-    const glm::dvec2 half = 0.5 * (window.high - window.low) / share;
+    const glm::dvec2 half = 0.5 * (window.high - window.low) / margin_share(texels, map_size);
     return {middle - half, middle + half};
 }
 
-MapWindow snapped_window(const MapWindow& window, double sphere_diameter, int map_size) {
+MapWindow snapped_window(const MapWindow& window, const std::optional<glm::dvec2>& sphere_diameter, int map_size) {
     GNOMON_CHECK_LT(2, map_size);
     MapWindow snapped;
     for (int axis = 0; axis < 2; ++axis) {
         // Moving by up to a texel must not uncover the edge.
-        double side = sphere_diameter;
-        if (side == 0.0) {
-            const double quarter_octaves = 4.0 * scalar::log2(window.high[axis] - window.low[axis]);
-            side = scalar::exp2(0.25 * std::ceil(quarter_octaves - 1e-9));
-        }
+        const double quarter_octaves = std::ceil(4.0 * scalar::log2(window.high[axis] - window.low[axis]) - 1e-9);
+        double side = sphere_diameter ? (*sphere_diameter)[axis] : scalar::exp2(0.25 * quarter_octaves);
         side *= map_size / (map_size - 2.0);
         if (side >= 1.0) continue;  // all of the light's projection, which does not move
         const double texel = side / map_size;
@@ -107,8 +117,9 @@ MapWindow snapped_window(const MapWindow& window, double sphere_diameter, int ma
     return snapped;
 }
 
-double sphere_diameter(const scenes::View& camera, const scenes::View& light, double nearest, double farthest) {
-    if (!is_directional(light)) return 0.0;
+std::optional<glm::dvec2> sphere_diameter(const scenes::View& camera, const scenes::View& light, double nearest,
+                                          double farthest) {
+    if (!is_directional(light)) return std::nullopt;
     // The sphere through the corners of both ends, or around the far end where the slice is flat. Its middle is on the view
     // axis.
     const double x = 1.0 / static_cast<double>(camera.clip_from_view[0][0]);
@@ -117,9 +128,8 @@ double sphere_diameter(const scenes::View& camera, const scenes::View& light, do
     const double middle = std::min(farthest, 0.5 * (nearest + farthest) * (1.0 + spread));
     const double beyond = farthest - middle;
     const double radius = std::sqrt(beyond * beyond + farthest * farthest * spread);
-    const double scale =
-        std::max(static_cast<double>(light.clip_from_view[0][0]), static_cast<double>(light.clip_from_view[1][1]));
-    return radius * scale;  // clip space is 2 wide, texture space 1
+    const glm::dmat4 clip(light.clip_from_view);
+    return radius * glm::dvec2(clip[0][0], clip[1][1]);  // clip space is 2 wide, texture space 1
 }
 
 CascadeSetup::CascadeSetup(Device& device, const TechniqueSettings& settings)
@@ -137,39 +147,55 @@ std::vector<double> CascadeSetup::distances(const FrameView& frame, PassTimer& t
     const auto lambda = static_cast<double>(chosen.number("lambda"));
     const auto camera_near = static_cast<double>(frame.camera.znear);
     const auto camera_far = static_cast<double>(frame.camera.zfar);
-    const double limit = std::clamp(static_cast<double>(constants_.reach), camera_near * (1.0 + kDistanceSlack), camera_far);
+    const double least = camera_near * (1.0 + kDistanceSlack);  // that splits may end at
+    const double limit = std::min(std::max(static_cast<double>(constants_.reach), least), camera_far);
     const auto placement = chosen.word<SplitPlacement>("splits");
     if (placement == SplitPlacement::Practical) return practical_splits(camera_near, limit, settings_.cascades, lambda);
 
     DistanceHistogram seen;
     timer.pass("distances", [&] { seen = depths_->measure(frame.scene, frame.camera, frame.width, frame.height); });
     if (seen.bins.empty()) return practical_splits(camera_near, limit, settings_.cascades, lambda);
-    const double nearest = std::max(seen.nearest * (1.0 - kDistanceSlack), camera_near);
-    const double farthest = std::clamp(seen.farthest * (1.0 + kDistanceSlack), nearest * (1.0 + kDistanceSlack), limit);
-    if (placement == SplitPlacement::MinMax || nearest >= farthest)
-        return practical_splits(std::min(nearest, farthest / (1.0 + kDistanceSlack)), farthest, settings_.cascades, lambda);
+    // Of a depth near 1, whose last bits come from a few roundings, the distance is uncertain by its square over the near
+    // plane.
+    const double uncertain = seen.farthest * seen.farthest * (1.0 / camera_near - 1.0 / camera_far) * kDepthError;
+    const double farthest = std::min(std::max(seen.farthest * (1.0 + kDistanceSlack) + uncertain, least), limit);
+    const double nearest = std::max(camera_near, std::min(seen.nearest, farthest) * (1.0 - kDistanceSlack));
+    if (placement == SplitPlacement::MinMax) return practical_splits(nearest, farthest, settings_.cascades, lambda);
+
+    // What lies beyond the reach does not count.
+    const double bins_per_octave = kDistanceBins / scalar::log2(camera_far / camera_near);
+    for (std::size_t bin = 0; bin < seen.bins.size(); ++bin)
+        if (static_cast<double>(bin) > scalar::log2(limit / camera_near) * bins_per_octave) seen.bins[bin] = 0;
+    if (std::ranges::all_of(seen.bins, [](std::uint32_t pixels) { return pixels == 0; }))
+        return practical_splits(camera_near, limit, settings_.cascades, lambda);
     std::vector<double> splits = histogram_splits(seen.bins, camera_near, camera_far, settings_.cascades);
     splits.front() = std::min(splits.front(), nearest);
     splits.back() = std::max(splits.back(), farthest);
     return splits;
 }
 
-MapWindow CascadeSetup::window_of(const FrameView& frame, double nearest, double farthest, int map_size) const {
-    const MapWindow tight = bounding_window(frustum_slice(frame.camera, nearest, farthest), frame.light);
+double CascadeSetup::margin(std::size_t cascade, const glm::dvec2& zoom) const {
+    // Half of a blur's kernel, which grows with the zoom; half of a filter of so many taps; half of the longest footprint whose
+    // shorter side is a texel.
+    const ParameterValues& chosen = settings_.parameters;
+    const double largest = std::max(zoom.x, zoom.y) * relative_size(cascade);
+    const double blur = std::min(0.5 * kMaxBlurTaps, 0.5 * (chosen.value_of("blur").value_or(1.0) - 1.0) * largest);
+    const double taps = 0.5 * (chosen.value_of("taps").value_or(1.0) - 1.0);
+    const double footprint = 0.5 * (settings_.anisotropy - 1);
+    return kFilterMargin + blur + taps + footprint;
+}
 
-    // The kernel of the blur grows with the zoom.
-    double margin = kFilterMargin;
-    for (const auto& [parameter, value, is_set] : settings_.parameters.entries())
-        if (parameter.name == "blur") {
-            const glm::dvec2 zoom = tight.zoom();
-            margin += std::min(0.5 * kMaxBlurTaps, 0.5 * (value - 1.0) * std::max(zoom.x, zoom.y));
-        }
-    const MapWindow window = with_margin(tight, margin, map_size);
+MapWindow CascadeSetup::window_of(const FrameView& frame, std::size_t cascade, double nearest, double farthest) const {
+    const int map_size = sizes_[cascade];
+    const MapWindow tight = bounding_window(frustum_slice(frame.camera, nearest, farthest), frame.light);
     const bool snaps = settings_.parameters.word<Switch>("snap") == Switch::On && map_size > 2;
-    if (!snaps) return window;
-    const double around = sphere_diameter(frame.camera, frame.light, nearest, farthest);
-    const double share = std::max(0.5, 1.0 - 2.0 * margin / map_size);
-    return snapped_window(window, around / share, map_size);
+    if (!snaps) return with_margin(tight, margin(cascade, tight.zoom()), map_size);
+
+    // A window that keeps its size keeps its margin.
+    std::optional<glm::dvec2> around = sphere_diameter(frame.camera, frame.light, nearest, farthest);
+    const double texels = margin(cascade, around ? 1.0 / *around : tight.zoom());
+    if (around) *around /= margin_share(texels, map_size);
+    return snapped_window(with_margin(tight, texels, map_size), around, map_size);
 }
 
 void CascadeSetup::update(const FrameView& frame, PassTimer& timer) {
@@ -179,7 +205,7 @@ void CascadeSetup::update(const FrameView& frame, PassTimer& timer) {
         // A fade reads the next split before it begins; quads that take one split for all their lanes reach over the ends a
         // little too, which the margin is for.
         const double before = i > 0 ? fade * (splits[i] - splits[i - 1]) : 0.0;
-        windows_[i] = window_of(frame, splits[i] - before, splits[i + 1], sizes_[i]);
+        windows_[i] = window_of(frame, i, splits[i] - before, splits[i + 1]);
         const glm::dvec2 zoom = windows_[i].zoom();
         constants_.end[i] = static_cast<float>(splits[i + 1]);
         constants_.fade[i] = fade > 0 ? static_cast<float>(1.0 / (fade * (splits[i + 1] - splits[i]))) : 0.0f;

@@ -30,6 +30,9 @@ inline constexpr std::array kEnumNames<techniques::SplitPlacement>{
 
 namespace gnomon::techniques {
 
+/// Throws Error for parameters of splits that do not go together.
+void check_cascades(const TechniqueSettings& settings);
+
 /// The part of the camera's frustum between two camera-space distances, world space.
 scenes::Hexahedron frustum_slice(const scenes::View& camera, double nearest, double farthest);
 
@@ -43,10 +46,11 @@ MapWindow with_margin(const MapWindow& window, double texels, int map_size);
 /// A window at least as large that moves by whole texels and whose size does not change while the camera moves: under a
 /// directional light it holds the bounding sphere of the slice, under a spot its sides are rounded up to quarter octaves.
 /// `map_size` texels, > 2.
-MapWindow snapped_window(const MapWindow& window, double sphere_diameter, int map_size);
+MapWindow snapped_window(const MapWindow& window, const std::optional<glm::dvec2>& sphere_diameter, int map_size);
 
-/// The diameter of the sphere around the slice, in texture coordinates of a directional light's projection; 0 under a spot.
-double sphere_diameter(const scenes::View& camera, const scenes::View& light, double nearest, double farthest);
+/// The diameter of the sphere around the slice, in texture coordinates of a directional light's projection. None under a spot.
+std::optional<glm::dvec2> sphere_diameter(const scenes::View& camera, const scenes::View& light, double nearest,
+                                          double farthest);
 
 /// The splits of every frame.
 class CascadeSetup {
@@ -58,10 +62,19 @@ public:
 
     [[nodiscard]] const Cascades& constants() const { return constants_; }
     [[nodiscard]] const MapWindow& window(std::size_t cascade) const { return windows_[cascade]; }
+    /// What the map of a cascade shows.
+    [[nodiscard]] MapView view(std::size_t cascade, const scenes::View& light) const {
+        return {.light = light, .window = windows_[cascade], .relative_size = relative_size(cascade)};
+    }
 
 private:
     [[nodiscard]] std::vector<double> distances(const FrameView& frame, PassTimer& timer);
-    [[nodiscard]] MapWindow window_of(const FrameView& frame, double nearest, double farthest, int map_size) const;
+    [[nodiscard]] double relative_size(std::size_t cascade) const {
+        return static_cast<double>(sizes_[cascade]) / sizes_.front();
+    }
+    /// Texels around what a window must hold: how far filters reach at this zoom.
+    [[nodiscard]] double margin(std::size_t cascade, const glm::dvec2& zoom) const;
+    [[nodiscard]] MapWindow window_of(const FrameView& frame, std::size_t cascade, double nearest, double farthest) const;
 
     TechniqueSettings settings_;
     std::vector<int> sizes_;

@@ -134,9 +134,9 @@ void FilteredMap::render(std::span<const SceneDraw> scene, const MapView& view, 
     });
 }
 
-void FilteredMap::filter(const MapWindow& window, PassTimer& timer) const {
+void FilteredMap::filter(const MapView& view, PassTimer& timer) const {
     if (scratch_ != TextureId::None) {
-        const BlurKernels kernels = zoomed_kernels(blur_, window.zoom());
+        const BlurKernels kernels = zoomed_kernels(blur_, view.texel_zoom());
         timer.pass("blur", [&] {
             for (int slice = 0; slice < slices_; ++slice)
                 blur(full_screen_, kernels, TargetView(map_, 0, slice), scratch_, split_);

@@ -84,9 +84,9 @@ public:
     /// Draws the scene into every slice, and resolves where there are several samples.
     void render(std::span<const SceneDraw> scene, const MapView& view, const FilteredMapContent& content,
                 PassTimer& timer) const;
-    /// Blurs and makes mips, as the settings ask. The kernel grows with the zoom of the window, so that shadows in every window
+    /// Blurs and makes mips, as the settings ask. The kernel grows with the zoom of the view, so that shadows in every window
     /// are as soft. [PSVSM] steps 2d, 2e
-    void filter(const MapWindow& window, PassTimer& timer) const;
+    void filter(const MapView& view, PassTimer& timer) const;
 
     [[nodiscard]] TextureId id() const { return map_; }
     [[nodiscard]] MapLookup lookup() const;
@@ -180,7 +180,7 @@ public:
     void render(std::span<const SceneDraw> scene, const MapView& view, PassTimer& timer) override {
         receiver_.scale = make_depth_scale(metric_, view.light);
         EncodedLightPass<Encoding>{casters_, receiver_.scale, encoding_}.render(map_, scene, view, timer);
-        map_.filter(view.window, timer);
+        map_.filter(view, timer);
     }
     [[nodiscard]] const Receiver& receiver() const override { return receiver_; }
     [[nodiscard]] std::vector<TextureId> maps() const override { return {map_.id()}; }

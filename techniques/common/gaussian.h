@@ -26,8 +26,8 @@ struct BlurKernels {
     GaussianKernel columns;
 };
 
-/// Kernels of `taps` texels where the zoom is 1 whose standard deviation grows with the zoom, as [PSVSM] step 2d scales
-/// them: width 1 + (taps - 1) zoom texels, at least 1. Wider than kMaxBlurTaps they are cut, with a warning.
+/// Kernels of `taps` texels where the zoom is 1 whose standard deviation grows with the zoom (> 0), as [PSVSM] step 2d scales
+/// them: width 1 + (taps - 1) zoom texels. Wider than kMaxBlurTaps they are cut, with a warning.
 BlurKernels zoomed_kernels(int taps, const glm::dvec2& zoom);
 
 /// Weighted sum of a row or column of texels of one slice, clamped at the edges.

@@ -95,7 +95,7 @@ public:
     void render_maps(const FrameView& frame, PassTimer& timer) override {
         setup_.update(frame, timer);
         for (std::size_t i = 0; i < maps_.size(); ++i) {
-            maps_[i]->render(frame.scene, {.light = frame.light, .window = setup_.window(i)}, timer);
+            maps_[i]->render(frame.scene, setup_.view(i, frame.light), timer);
             shaded_.receivers[i] = maps_[i]->receiver();
         }
         for (std::size_t i = maps_.size(); i < shaded_.receivers.size(); ++i)  // never read, but constants name what is there

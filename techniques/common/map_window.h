@@ -25,6 +25,10 @@ struct MapWindow {
 struct MapView {
     scenes::View light;
     MapWindow window{};
+    double relative_size = 1.0;  // texels per side over those of the first of several maps
+
+    /// Texels of this map for one of the first map where that shows all of the light's projection.
+    [[nodiscard]] glm::dvec2 texel_zoom() const { return window.zoom() * relative_size; }
 
     /// The light's clip space, stretched so that the window fills it.
     [[nodiscard]] glm::mat4 clip_from_world() const;

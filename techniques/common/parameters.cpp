@@ -87,6 +87,11 @@ ParameterValues::ParameterValues(std::string_view technique, std::span<const Par
     }
 }
 
+std::optional<double> ParameterValues::value_of(std::string_view name) const {
+    const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
+    return at == entries_.end() ? std::nullopt : std::optional(at->value);
+}
+
 void ParameterValues::settle(std::string_view name, double value) {
     const auto at = std::ranges::find(entries_, name, [](const Entry& entry) { return entry.parameter.name; });
     GNOMON_CHECK(at != entries_.end());

@@ -3,6 +3,7 @@
 
 #include "sim/enum_names.h"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -82,6 +83,8 @@ public:
     [[nodiscard]] E word(std::string_view name) const {
         return kEnumNames<E>.at(static_cast<std::size_t>(whole(name))).value;
     }
+    /// Nothing for a parameter that the technique does not have.
+    [[nodiscard]] std::optional<double> value_of(std::string_view name) const;
     /// Puts another value in the place of what was said: what it comes to.
     void settle(std::string_view name, double value);
     /// Whether the user, rather than the default, said so.

@@ -59,11 +59,12 @@ Real quad_min_split(const F& f, const Real& split) {
 }
 
 /// The larger: 2^(x+k-1) <= 2^x (2^k - 1) < 2^(x+k) for every k >= 1, so that one more than the whole part of the logarithm is
-/// x + k however far apart two splits are.
+/// x + k however far apart two splits are. Up to split 7 the logarithm stays 0.011 below x + k, so 1/512 on top of it keeps a
+/// logarithm that is a little off, as those of hardware may be, from falling below a whole number.
 template <class F, class Real = typename F::Real>
 Real quad_max_split(const F& f, const Real& split) {
     const Real difference = power_difference(f, split);
-    const Real common = floor(f.log2(difference)) + Real(1.0f);
+    const Real common = floor(f.log2(difference) + Real(0x1p-9f)) + Real(1.0f);
     return select(difference > Real(0.0f), common, split);
 }
 

@@ -224,7 +224,8 @@ void fingerprint_splits(const scenes::Scene& scene, int threads) {
         for (const char* profile : {"d3d11", "g80", "ideal"}) add("psvsm", 8, {{"cure", std::string(cure.name)}}, profile);
     for (int cascades = 1; cascades <= 7; ++cascades) add("psvsm", cascades, {{"blur", "3"}, {"fade", "0.2"}}, "d3d11");
     for (const char* placement : {"minmax", "histogram"})
-        for (const char* profile : {"d3d11", "ideal"}) add("psvsm", 4, {{"splits", placement}, {"snap", "on"}}, profile);
+        for (const char* profile : {"d3d11", "ideal"}) add("psvsm", 4, {{"splits", placement}}, profile);
+    add("psvsm", 4, {{"snap", "on"}, {"blur", "3"}}, "d3d11");
     add("pssm", 3, {{"size-ratio", "1.5"}, {"reach", "20"}}, "d3d11");
     for (const techniques::Technique& technique : techniques::all_techniques())
         add(technique.name, 3, {{"cure", "explicit-gradients"}}, "d3d11");

@@ -150,6 +150,29 @@ Answer trick_in_whole_numbers(const Quad& quad, bool fine) {
     return answer;
 }
 
+/// Fine derivatives, and a logarithm that is off.
+struct InexactQuad {
+    using Real = Float;
+
+    float error = 0.0f;
+
+    [[nodiscard]] Float ddx(Float x) const { return ddx_fine(x); }
+    [[nodiscard]] Float ddy(Float x) const { return ddy_fine(x); }
+    [[nodiscard]] Float exp2(Float x) const { return gnomon::exp2(x); }
+    [[nodiscard]] Float log2(Float x) const { return gnomon::log2(x) + Float(error); }
+};
+
+Float lanes_of(const Quad& quad) {
+    std::array<float, kLanes> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(quad[i % 4]);
+    return Float::load(values.data());
+}
+Quad first_quad(Float lanes) {
+    Quad quad{};
+    for (int i = 0; i < 4; ++i) quad[static_cast<std::size_t>(i)] = static_cast<int>(lane(lanes, i));
+    return quad;
+}
+
 Profile profile_with(PlainDerivative derivative, DerivativeCorner corner, Arithmetic arithmetic = Arithmetic::Fp32) {
     Profile profile;
     profile.plain_derivative = derivative;
@@ -257,6 +280,27 @@ TEST_CASE("every quad: the machine does what whole numbers say, and three splits
         CHECK(least == expected.least);
         CHECK(most == expected.most);
     }
+}
+
+TEST_CASE("a logarithm that is a little off does not move the trick: by 2^-10 the larger split, by 0.08 the smaller one",
+          "[techniques][PSVSM]") {
+    for (const float off : {-0x1p-10f, -0x1p-22f, 0x1p-22f, 0x1p-10f})
+        for (int index = 0; index < 4096; ++index) {
+            const Quad quad = quad_of(index);
+            const InexactQuad f{.error = off};
+            const Float split = lanes_of(quad);
+            const Answer wanted = trick_in_whole_numbers(quad, true);
+            INFO(fmt::format("splits {}, error {}", fmt::join(quad, " "), off));
+            CHECK(first_quad(quad_min_split(f, split)) == wanted.least);
+            CHECK(first_quad(quad_max_split(f, split)) == wanted.most);
+        }
+    // Of two splits alone; 2^2 - 2^0 = 3 has the logarithm 1.585, which rounds up from 1.5 on.
+    for (const float off : {-0.08f, 0.08f}) {
+        const Quad quad{0, 2, 0, 2};
+        CHECK(first_quad(quad_min_split(InexactQuad{.error = off}, lanes_of(quad))) == Quad{2, 2, 2, 2});
+    }
+    CHECK(first_quad(quad_min_split(InexactQuad{.error = -0.09f}, lanes_of({0, 2, 0, 2}))) == Quad{1, 1, 1, 1});
+    CHECK(first_quad(quad_max_split(InexactQuad{.error = -0.01f}, lanes_of({0, 1, 0, 1}))) == Quad{0, 0, 0, 0});
 }
 
 TEST_CASE("a broadcast of the top-left lane's split never fails", "[techniques][PSVSM]") {

@@ -224,8 +224,8 @@ TEST_CASE("snapped windows keep their size and move by whole texels while the ca
             const scenes::View from = scenes::camera_view(camera, 4.0f / 3.0f);
             const scenes::Hexahedron slice = frustum_slice(from, 5, 15);
             const MapWindow tight = bounding_window(slice, view);
-            const double around = sphere_diameter(from, view, 5, 15);
-            CHECK((around > 0) == directional);
+            const std::optional<glm::dvec2> around = sphere_diameter(from, view, 5, 15);
+            CHECK(around.has_value() == directional);
             const MapWindow window = snapped_window(tight, around, kMap);
             CHECK(holds(window, tight));
             if (!first) first = window;
@@ -243,12 +243,69 @@ TEST_CASE("snapped windows keep their size and move by whole texels while the ca
     }
 }
 
+TEST_CASE("a setup with snapping gives windows of one size, whatever the blur", "[techniques][splits]") {
+    const scenes::Scene& scene = gnomon::testing::scene_of("city");
+    const scenes::View light = scenes::light_view(scene.light, scene.bounds());
+    Device device(Profile{}, 1);
+    for (const char* blur : {"1", "3"}) {
+        for (const char* snap : {"on", "off"}) {
+            const Technique& technique = find_technique("psvsm");
+            const TechniqueRequest request{.map_size = 256, .set = {{"blur", blur}, {"snap", snap}, {"fade", "0.1"}}};
+            CascadeSetup setup(device, resolve_settings(technique, request));
+            PassTimer timer(device);
+            std::vector<glm::dvec2> first;
+            double largest_change = 0;
+            for (int step = 0; step < 40; ++step) {
+                scenes::Camera camera = scene.camera;
+                camera.world_from_camera =
+                    scenes::looking_at({0.3 * step, 2.5, 3.0 - 0.1 * step}, {20.0 - step, 1.0 + 0.1 * step, -40.0});
+                const scenes::View from = scenes::camera_view(camera, 4.0f / 3.0f);
+                setup.update({.scene = {}, .camera = from, .light = light, .width = 64, .height = 48}, timer);
+                for (std::size_t i = 0; i < 4; ++i) {
+                    const glm::dvec2 side = setup.window(i).high - setup.window(i).low;
+                    if (step == 0) first.push_back(side);
+                    const glm::dvec2 change = glm::abs(side - first[i]) / first[i];
+                    largest_change = std::max({largest_change, change.x, change.y});
+                }
+            }
+            INFO("blur " << blur << ", snap " << snap);
+            if (snap == std::string_view("on")) {
+                CHECK(largest_change < 1e-12);
+            } else {
+                CHECK(largest_change > 0.1);
+            }
+        }
+    }
+}
+
+TEST_CASE("splits from the depths in view stay within reach", "[techniques][splits][Lauritzen10]") {
+    const scenes::Scene& scene = gnomon::testing::scene_of("fence");
+    Device device(Profile{}, 2);
+    const std::vector<SceneDraw> draws = upload_scene(device, scene);
+    const scenes::View camera = scenes::camera_view(scene.camera, 4.0f / 3.0f);
+    const scenes::View light = scenes::light_view(scene.light, scene.bounds());
+    for (const char* splits : {"practical", "minmax", "histogram"})
+        for (const char* reach : {"0", "0.001", "1", "5", "30", "1e6"}) {
+            INFO(splits << ", reach " << reach);
+            const TechniqueRequest request{.map_size = 64, .cascades = 8, .set = {{"splits", splits}, {"reach", reach}}};
+            CascadeSetup setup(device, resolve_settings(find_technique("pssm"), request));
+            PassTimer timer(device);
+            setup.update({.scene = draws, .camera = camera, .light = light, .width = 96, .height = 72}, timer);
+            const Cascades& cascades = setup.constants();
+            CHECK(std::is_sorted(cascades.end.begin(), cascades.end.end()));
+            CHECK(cascades.end[0] > camera.znear);
+            CHECK(cascades.end[7] <= camera.zfar * 1.01f);
+            const double wanted = std::stod(reach);
+            if (wanted >= 5 && wanted < 100) CHECK(cascades.end[7] <= static_cast<float>(wanted) * 1.02f);
+        }
+}
+
 TEST_CASE("the sphere around a slice holds its corners and is no larger than it must be", "[techniques][splits]") {
     const scenes::View sun = sun_above();
     for (const auto& [nearest, farthest] : {std::pair(1.0, 2.0), std::pair(1.0, 50.0), std::pair(30.0, 31.0)}) {
         const scenes::View camera = straight_camera(1, 80);
         const double radius =
-            0.5 * sphere_diameter(camera, sun, nearest, farthest) * 2.0 / static_cast<double>(sun.clip_from_view[0][0]);
+            0.5 * sphere_diameter(camera, sun, nearest, farthest)->x * 2.0 / static_cast<double>(sun.clip_from_view[0][0]);
         double best = 1e30;  // over centres on the axis
         for (int k = 0; k <= 4000; ++k) {
             const double centre = nearest + (farthest - nearest) * 1.5 * k / 4000;

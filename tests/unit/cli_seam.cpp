@@ -36,7 +36,8 @@ TEST_CASE("gnomon seam on a scene: a row and pictures for every cure", "[cli][se
 
     const auto json = nlohmann::json::parse(text_of(folder.path() / "o" / "seams.json"));
     CHECK(json.at("configuration").at("technique") == "psvsm");
-    CHECK(json.at("configuration").at("cascades") == "8");
+    CHECK(json.at("configuration").at("cascades") == 8);
+    CHECK(json.at("configuration").at("parameters").at("lambda") == 0.5);
     REQUIRE(json.at("cures").size() == 7);
     const auto& none = json.at("cures")[0];
     CHECK(none.at("cure") == "none");
@@ -51,6 +52,7 @@ TEST_CASE("gnomon seam on a scene: a row and pictures for every cure", "[cli][se
     // One cure into a folder that is there replaces its files and the table.
     REQUIRE(gnomon_run(folder, "seam --scene fence --size 160x120 --map 128 --cure quad-max --out o").code == 0);
     CHECK(std::ranges::count(text_of(folder.path() / "o" / "seams.txt"), '\n') == 2);
+    CHECK(files_in(folder.path() / "o") == files_of({"quad-max"}));  // those of other cures are of an earlier table
 }
 
 TEST_CASE("gnomon seam gives a technique without splits four, and takes odd sizes", "[cli][seam]") {
@@ -59,7 +61,7 @@ TEST_CASE("gnomon seam gives a technique without splits four, and takes odd size
     INFO(run.err);
     REQUIRE(run.code == 0);
     const auto json = nlohmann::json::parse(text_of(folder.path() / "o" / "seams.json"));
-    CHECK(json.at("configuration").at("cascades") == "4");
+    CHECK(json.at("configuration").at("cascades") == 4);
     CHECK(json.at("configuration").at("technique") == "esm");
 }
 
@@ -92,6 +94,9 @@ TEST_CASE("gnomon seam and cascades: bad input is one line on stderr, exit code 
              "seam --case nothing --out o",
              "seam --case atlas --scene fence --out o",
              "seam --case atlas --cure quad-min --out o",
+             "seam --case atlas --cascades 8 --out o",
+             "seam --case atlas --set lambda=2 --out o",
+             "seam --case atlas --size 3x3 --out o",
              "seam --case atlas --profile nowhere --out o",
              "seam --scene nowhere --out o",
              "seam --scene fence --technique all --out o",
@@ -109,6 +114,7 @@ TEST_CASE("gnomon seam and cascades: bad input is one line on stderr, exit code 
              "render --scene fence --technique vsm --set lambda=0.5 --out o",
              "render --scene fence --technique psvsm --set splits=random --out o",
              "render --scene fence --technique psvsm --set reach=-1 --out o",
+             "render --scene fence --technique psvsm --set snap=on --set splits=minmax --out o",
          })
         check_refused(folder, arguments);
 }

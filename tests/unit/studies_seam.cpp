@@ -97,6 +97,18 @@ TEST_CASE("Measures: quads disagree by their flag, not by the choices that their
     CHECK(measures.outside_pixels == 1);
 }
 
+TEST_CASE("Measures: against exact derivatives, the pixels of quads that disagree without a cure", "[seam]") {
+    SeamImage uncured = calm();
+    at(uncured, 0, 0).flags = at(uncured, 1, 0).flags = SeamPixel::kDisagrees;
+    SeamImage cured = calm();
+    at(cured, 0, 0).exact_lod = at(cured, 0, 0).lod + 0.5f;
+    at(cured, 3, 3).exact_lod = at(cured, 3, 3).lod + 8;  // elsewhere
+    const SeamMeasures measures = measure_seam(cured, uncured, cured);
+    CHECK(measures.crossing_lod_error == 0.25);
+    CHECK(measures.exact_lod_error == 8.5 / 16);
+    CHECK(measured(cured).crossing_lod_error == 0);
+}
+
 TEST_CASE("Measures: what is not drawn counts for nothing", "[seam]") {
     SeamImage image = calm();
     for (const int y : {0, 1})

@@ -1,6 +1,7 @@
 // The quad that straddles two splits, on scenes: what is wrong without a cure, and what each cure leaves.
 // [PSVSM] "Texture coordinate derivatives"
 #include "studies/seams/splits.h"
+#include "techniques/common/cascade_setup.h"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -192,6 +193,50 @@ TEST_CASE("the level of detail of finite differences is the exact one to within 
                 FAIL_CHECK(fmt::format("({}, {}): {} instead of {}", x, y, pixel.lod, pixel.exact_lod));
         }
     CHECK(near_camera > 1000);
+}
+
+TEST_CASE("at seams, cures bring the level of detail back to what finite differences give elsewhere", "[studies][seam]") {
+    const Subject subject = subject_of({.cascades = 6});
+    const SeamImage none = subject.draw("none");
+    const double uncured = measure_seam(none, none, none).crossing_lod_error;
+    CHECK(uncured > 1.0);
+    for (const std::string_view cure : split_cures()) {
+        if (cure == "none") continue;
+        const SeamImage image = subject.draw(cure);
+        const SeamMeasures seam = measure_seam(image, none, none);
+        INFO(cure);
+        const bool is_trick = cure == "quad-min" || cure == "quad-max";  // which misses a lane here and there
+        CHECK(seam.crossing_lod_error < (is_trick ? 0.2 : 0.1));
+    }
+}
+
+TEST_CASE("derivatives of the position err by the last bits of a coordinate, the more the larger the zoom", "[studies][seam]") {
+    // A coordinate of up to 1 is rounded by 2^-25, a difference of two by twice that, and there are three of them in each
+    // derivative; so are those of the split's own coordinates. Of a gradient of 2^lod texels of a map that is `zoom` times as
+    // fine as one of the whole light these are so many octaves. Coordinates of the light are at most 1.
+    const Subject subject = subject_of({.scene = "city", .cascades = 4});
+    const SeamImage image = subject.draw("derivative-of-position");
+    const scenes::View camera = scenes::camera_view(subject.scene.camera, 4.0f / 3.0f);
+    const scenes::View light = scenes::light_view(subject.scene.light, subject.scene.bounds());
+    Device device(subject.profile, 1);
+    techniques::CascadeSetup setup(device, subject.plan.settings);
+    techniques::PassTimer timer(device);
+    setup.update({.scene = {}, .camera = camera, .light = light, .width = image.width, .height = image.height}, timer);
+    std::size_t judged = 0;
+    double worst_share = 0;
+    for (const SeamPixel& pixel : image.pixels) {
+        if (!pixel.drawn()) continue;
+        const glm::dvec2 zoom = setup.window(static_cast<std::size_t>(pixel.used)).zoom();
+        const double texels = 256 * std::max(zoom.x, zoom.y);
+        const double allowed = 8 * 0x1p-24 * texels / std::exp2(static_cast<double>(pixel.smooth_lod)) / 0.693;
+        if (allowed > 0.25) continue;  // next to no gradient
+        ++judged;
+        worst_share = std::max(worst_share, lod_error(pixel) / allowed);
+    }
+    INFO(judged << " pixels, worst share " << worst_share);
+    CHECK(judged > 30000);
+    CHECK(worst_share <= 1.0);
+    CHECK(worst_share > 0.01);
 }
 
 TEST_CASE("what a cure costs, in instructions", "[studies][seam]") {
