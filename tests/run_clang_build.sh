@@ -3,5 +3,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/build clang
-build/clang/tests/gnomon_tests "~[.]"
+build/clang/tests/gnomon_tests "~[.]" &
+tests=$!
 build/clang/tests/gnomon_studies_tests "~[.]~[cli]"
+wait "$tests"
