@@ -109,6 +109,7 @@ std::string sequence_json(const Sequence& sequence) {
 
 std::vector<std::string> frame_file_names(int frame) {
     std::vector<std::string> names;
+    names.reserve(kPictures.size());
     for (const std::string_view picture : kPictures) names.push_back(name_of_picture(frame, picture));
     return names;
 }

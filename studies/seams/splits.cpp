@@ -122,6 +122,7 @@ const techniques::PassRecord& camera_pass(const techniques::PassTimer& timer) { 
 
 std::vector<std::string_view> split_cures() {
     std::vector<std::string_view> names;
+    names.reserve(kEnumNames<SeamCure>.size());
     for (const auto& entry : kEnumNames<SeamCure>) names.push_back(entry.name);
     return names;
 }
