@@ -1,6 +1,7 @@
 // gnomon list: what there is to choose from.
 #include "commands.h"
 
+#include "scenes/camera_path.h"
 #include "scenes/procedural.h"
 #include "sim/error.h"
 #include "sim/profile.h"
@@ -110,6 +111,11 @@ void list_seams() {
                    fmt::join(seam.cures, ", "), seam.source, "", seam.expectation);
 }
 
+void list_paths() {
+    fmt::print("paths of the camera (gnomon render --frames N --path NAME)\n");
+    for (const scenes::CameraPath& path : scenes::camera_paths()) fmt::print("  {:<14} {}\n", path.name, path.summary);
+}
+
 struct ListOptions {
     std::string what;
     bool verbose = false;
@@ -122,6 +128,7 @@ void list(const ListOptions& options) {
     if (chosen("techniques")) list_techniques(options.verbose);
     if (chosen("studies")) list_studies();
     if (chosen("seams")) list_seams();
+    if (chosen("paths")) list_paths();
     if (chosen("profiles")) list_profiles(options.verbose);
     if (chosen("formats")) list_formats();
 }
@@ -129,17 +136,20 @@ void list(const ListOptions& options) {
 }  // namespace
 
 void add_list(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("list", "Show scenes, techniques, studies, seams, profiles and formats");
+    CLI::App* command =
+        app.add_subcommand("list", "Show scenes, techniques, studies, seams, camera paths, profiles and formats");
     const auto options = std::make_shared<ListOptions>();
     command
-        ->add_option("what", options->what, "scenes, techniques, studies, seams, profiles or formats; all of them without it")
+        ->add_option("what", options->what,
+                     "scenes, techniques, studies, seams, paths, profiles or formats; all of them without it")
         ->type_name("WHAT");
     command->add_flag("--verbose", options->verbose,
                       "Explain every parameter of every technique, and every field of every profile with its source");
     command->callback([options] {
-        constexpr std::array<std::string_view, 7> kWhat{"", "scenes", "techniques", "studies", "seams", "profiles", "formats"};
+        constexpr std::array<std::string_view, 8> kWhat{"",      "scenes", "techniques", "studies",
+                                                        "seams", "paths",  "profiles",   "formats"};
         if (std::ranges::find(kWhat, options->what) == kWhat.end())
-            fail("list {}: expected scenes, techniques, studies, seams, profiles or formats", options->what);
+            fail("list {}: expected scenes, techniques, studies, seams, paths, profiles or formats", options->what);
         list(*options);
     });
 }

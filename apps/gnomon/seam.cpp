@@ -164,7 +164,10 @@ void add_seam(CLI::App& app) {
     options->asked.request.scene.clear();
     options->asked.request.technique = "psvsm";
     command->add_option("--case", options->case_name, "A small case instead of a scene (gnomon list seams)")->type_name("NAME");
-    command->add_option("--cure", options->cure, "One cure, or all [all]")->type_name("NAME|all");
+    command
+        ->add_option("--cure", options->cure,
+                     "One cure (none, quad-min, ...; of a small case as gnomon list seams shows them), or all [all]")
+        ->type_name("NAME|all");
     add_scene_options(*command, options->asked);
     add_technique_options(*command, options->asked, "Shadow technique [psvsm]; without --cascades it gets 4 splits");
     add_machine_options(*command, options->asked);

@@ -24,6 +24,15 @@ std::set<std::string> files_of(std::initializer_list<const char*> cures) {
 
 }  // namespace
 
+TEST_CASE("gnomon list paths names every path of the camera", "[cli]") {
+    const TemporaryFolder folder;
+    const Outcome run = gnomon_run(folder, "list paths");
+    CHECK(run.code == 0);
+    for (const char* name : {"still", "walk", "strafe", "pan", "pitch", "orbit", "dolly-turn"})
+        CHECK(run.out.find(fmt::format("  {} ", name)) != std::string::npos);
+    check_refused(folder, "list roads");
+}
+
 TEST_CASE("gnomon seam on a scene: a row and pictures for every cure", "[cli][seam]") {
     const TemporaryFolder folder;
     const Outcome run = gnomon_run(folder, "seam --scene fence --size 160x120 --map 128 --cascades 8 --out o");
