@@ -1,3 +1,4 @@
+// What a run was told, as JSON and as text.
 #include "studies/configuration.h"
 
 #include <iterator>
