@@ -8,7 +8,7 @@
 namespace gnomon::techniques {
 
 /// The "practical split scheme": count + 1 ascending camera-space distances from `nearest` to `farthest`, the i-th
-/// lambda n (f/n)^(i/N) + (1 - lambda) (n + (f - n) i/N). [Zhang06] eq. 3; [PSVSM] step 1. 0 < nearest < farthest, count
+/// lambda n (f/n)^(i/N) + (1 - lambda) (n + (f - n) i/N). [Zhang06]; [PSVSM] step 1. 0 < nearest < farthest, count
 /// >= 1, lambda in [0, 1]: 1 is the logarithmic scheme, 0 the uniform one.
 std::vector<double> practical_splits(double nearest, double farthest, int count, double lambda);
 
